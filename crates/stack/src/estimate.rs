@@ -1,0 +1,177 @@
+//! A measured image and what is known about its noise.
+
+use crate::{Image, SampleCounts};
+
+/// What is known about the noise of an estimate.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Noise {
+    /// Independent partial means of the same picture, two or more. Two of them are the *half-buffers* A and B of the
+    /// literature; more derive halves by summing even and odd ones.
+    Buckets(Vec<Image>),
+    /// Variance of the mean, per channel.
+    VarianceOfMean(Image),
+    /// Nothing.
+    Unknown,
+}
+
+/// The mean of a plane's samples, and what is known about its noise.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Estimate {
+    /// Mean over all samples of a pixel.
+    pub mean: Image,
+    /// Its noise.
+    pub noise: Noise,
+}
+
+impl Estimate {
+    /// The estimate that `buckets` (at least one) add up to, weighted by how many samples each holds. One bucket alone
+    /// says nothing about noise.
+    ///
+    /// # Panics
+    /// When `buckets` is empty.
+    pub fn from_buckets(mut buckets: Vec<Image>, counts: &SampleCounts) -> Self {
+        if buckets.len() == 1 {
+            return Self { mean: buckets.remove(0), noise: Noise::Unknown };
+        }
+        Self { mean: weighted_mean(&buckets, counts), noise: Noise::Buckets(buckets) }
+    }
+
+    /// Half-buffers A (even buckets) and B (odd ones), when there are buckets. A half without samples holds zeros.
+    pub fn halves(&self, counts: &SampleCounts) -> Option<[Image; 2]> {
+        let Noise::Buckets(buckets) = &self.noise else { return None };
+        Some([0, 1].map(|half| half_mean(buckets, counts, half)))
+    }
+
+    /// Variance of the mean, per channel, when the noise is known. A pixel with samples in fewer than two buckets has
+    /// **unknown** variance, written as NaN.
+    ///
+    /// With buckets of n_b samples and mean m: Σ n_b (x_b − m)² / ((B − 1) n), which for two halves is
+    /// n_A n_B (A − B)² / n², and (A − B)²/4 when they are equal (Rousselle et al. 2012, section 5).
+    pub fn variance_of_mean(&self, counts: &SampleCounts) -> Option<Image> {
+        match &self.noise {
+            Noise::Buckets(buckets) => Some(spread_of_buckets(buckets, &self.mean, counts)),
+            Noise::VarianceOfMean(variance) => Some(variance.clone()),
+            Noise::Unknown => None,
+        }
+    }
+}
+
+/// Mean of those `buckets` that `keep` names, weighted by their counts; zero where none has a sample.
+fn weighted_mean_of(buckets: &[Image], counts: &SampleCounts, keep: impl Fn(usize) -> bool) -> Image {
+    let (size, channels) = (buckets[0].size(), buckets[0].channels().len());
+    let mut mean = Image::zeros(size, channels);
+    let mut weights = vec![0.0_f32; size.pixels()];
+    for (b, bucket) in buckets.iter().enumerate().filter(|(b, _)| keep(*b)) {
+        for pixel in 0..size.pixels() {
+            let n = counts.in_group(pixel, b, buckets.len()) as f32;
+            weights[pixel] += n;
+            for c in 0..channels {
+                if n > 0.0 {
+                    mean.channels_mut()[c][pixel] += n * bucket.channels()[c][pixel];
+                }
+            }
+        }
+    }
+    for channel in mean.channels_mut() {
+        for (value, weight) in channel.iter_mut().zip(&weights) {
+            if *weight > 0.0 {
+                *value /= weight;
+            }
+        }
+    }
+    mean
+}
+
+fn weighted_mean(buckets: &[Image], counts: &SampleCounts) -> Image {
+    weighted_mean_of(buckets, counts, |_| true)
+}
+
+fn half_mean(buckets: &[Image], counts: &SampleCounts, half: usize) -> Image {
+    weighted_mean_of(buckets, counts, |b| b % 2 == half)
+}
+
+fn spread_of_buckets(buckets: &[Image], mean: &Image, counts: &SampleCounts) -> Image {
+    let (size, channels) = (mean.size(), mean.channels().len());
+    let mut variance = Image::zeros(size, channels);
+    let mut n = vec![0.0_f32; buckets.len()];
+    for pixel in 0..size.pixels() {
+        for (b, n) in n.iter_mut().enumerate() {
+            *n = counts.in_group(pixel, b, buckets.len()) as f32;
+        }
+        let filled = n.iter().filter(|n| **n > 0.0).count();
+        let total: f32 = n.iter().sum();
+        for c in 0..channels {
+            let m = mean.channels()[c][pixel];
+            let spread: f32 = buckets
+                .iter()
+                .zip(&n)
+                .filter(|(_, n)| **n > 0.0)
+                .map(|(bucket, n)| n * (bucket.channels()[c][pixel] - m).powi(2))
+                .sum();
+            variance.channels_mut()[c][pixel] =
+                if filled < 2 { f32::NAN } else { spread / ((filled - 1) as f32 * total) };
+        }
+    }
+    variance
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Dealing, Size};
+
+    fn flat(value: f32) -> Image {
+        Image::from_channels(Size::new(1, 1), vec![vec![value]])
+    }
+
+    fn numbered(total: u32) -> SampleCounts {
+        SampleCounts { first: 0, total: vec![total], dealing: Dealing::Numbered { sequences: 8, buckets: 8 } }
+    }
+
+    #[test]
+    fn unequal_halves_follow_the_closed_form() {
+        let counts = SampleCounts::uniform(1, vec![3, 1]);
+        let estimate = Estimate::from_buckets(vec![flat(2.0), flat(6.0)], &counts);
+        assert_eq!(estimate.mean.channels()[0][0], 3.0);
+        assert_eq!(estimate.variance_of_mean(&counts).unwrap().channels()[0][0], 3.0 * 16.0 / 16.0);
+    }
+
+    #[test]
+    fn one_sample_leaves_the_variance_unknown() {
+        let counts = numbered(1);
+        let mut buckets = vec![flat(0.0); 8];
+        buckets[0] = flat(5.0);
+        let estimate = Estimate::from_buckets(buckets, &counts);
+        assert_eq!(estimate.mean.channels()[0][0], 5.0);
+        assert!(estimate.variance_of_mean(&counts).unwrap().channels()[0][0].is_nan());
+    }
+
+    #[test]
+    fn thirteen_samples_in_eight_buckets_average_to_the_plain_mean() {
+        let counts = numbered(13);
+        let values: Vec<f32> = (0..13).map(|i| (i * i) as f32).collect();
+        let buckets = (0..8)
+            .map(|b| {
+                let own: Vec<f32> = values.iter().copied().skip(b).step_by(8).collect();
+                flat(own.iter().sum::<f32>() / own.len() as f32)
+            })
+            .collect();
+        let estimate = Estimate::from_buckets(buckets, &counts);
+        let mean = values.iter().sum::<f32>() / 13.0;
+        assert!((estimate.mean.channels()[0][0] - mean).abs() < 1e-4);
+        let [a, b] = estimate.halves(&counts).unwrap();
+        let recombined = (7.0 * a.channels()[0][0] + 6.0 * b.channels()[0][0]) / 13.0;
+        assert!((recombined - mean).abs() < 1e-4);
+    }
+
+    #[test]
+    fn empty_buckets_are_left_out() {
+        let counts = numbered(4);
+        let mut buckets: Vec<Image> = (0..8).map(|b| flat(b as f32)).collect();
+        buckets[6] = flat(f32::NAN);
+        let estimate = Estimate::from_buckets(buckets, &counts);
+        assert_eq!(estimate.mean.channels()[0][0], 1.5);
+        let variance = estimate.variance_of_mean(&counts).unwrap().channels()[0][0];
+        assert!((variance - 5.0 / 12.0).abs() < 1e-6);
+    }
+}

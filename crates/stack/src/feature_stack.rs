@@ -1,0 +1,133 @@
+//! The feature stack: everything a reconstruction starts from.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{Estimate, Image, Passthrough, SampleCounts, Size, Window};
+
+/// Which part of the light a component holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ComponentRole {
+    /// Everything that was scattered at least once by a surface that is not a perfect mirror or clear glass; in a
+    /// foreign stack without an emission layer, the whole picture.
+    Scattered,
+    /// Emission and background seen directly, or through perfect mirrors and clear glass.
+    Emission,
+}
+
+impl ComponentRole {
+    /// All roles, in the order in which components are added up.
+    pub const ALL: [Self; 2] = [Self::Scattered, Self::Emission];
+
+    /// Name of its layer in a file.
+    pub const fn layer(self) -> &'static str {
+        match self {
+            Self::Scattered => "noisy",
+            Self::Emission => "emission",
+        }
+    }
+}
+
+/// One summand of the picture, reconstructed by itself. Three channels of linear radiance, ≥ 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Component {
+    /// Which part of the light this is.
+    pub role: ComponentRole,
+    /// Its radiance.
+    pub radiance: Estimate,
+}
+
+/// What a feature measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FeatureRole {
+    /// World-space position of the feature hit, in scene units.
+    Position,
+    /// Reflectance (specular for metals), 0 … 1.
+    Albedo,
+    /// World-space shading normal, unit length per sample, 0 on a miss.
+    Normal,
+    /// Share of light samples that reached the feature hit, 0 … 1.
+    Visibility,
+    /// Distance along the camera ray, in scene units.
+    Depth,
+}
+
+impl FeatureRole {
+    /// All roles, in the order in which features stand in a stack.
+    pub const ALL: [Self; 5] = [Self::Position, Self::Albedo, Self::Normal, Self::Visibility, Self::Depth];
+
+    /// Name of its layer in a file.
+    pub const fn layer(self) -> &'static str {
+        match self {
+            Self::Position => "position",
+            Self::Albedo => "albedo",
+            Self::Normal => "normal",
+            Self::Visibility => "visibility",
+            Self::Depth => "depth",
+        }
+    }
+
+    /// Names of its channels in a file.
+    pub const fn channels(self) -> &'static [&'static str] {
+        match self {
+            Self::Position | Self::Normal => &["X", "Y", "Z"],
+            Self::Albedo => &["R", "G", "B"],
+            Self::Visibility => &["Y"],
+            Self::Depth => &["Z"],
+        }
+    }
+}
+
+/// An auxiliary image that explains the picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Feature {
+    /// What it measures.
+    pub role: FeatureRole,
+    /// The measurement, with as many channels as the role has.
+    pub estimate: Estimate,
+}
+
+/// Everything known about one picture before reconstruction: its components, its features, and how many samples each
+/// pixel got. Which of them exist is known at run time only.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FeatureStack {
+    /// The part of the film this covers.
+    pub window: Window,
+    /// The whole film.
+    pub film: Size,
+    /// Sample counts.
+    pub samples: SampleCounts,
+    /// The picture is their sum. At least one.
+    pub components: Vec<Component>,
+    /// Auxiliary images, in the order of [`FeatureRole::ALL`].
+    pub features: Vec<Feature>,
+    /// Layers nobody here interprets, carried along.
+    pub passthrough: Vec<Passthrough>,
+}
+
+impl FeatureStack {
+    /// Width and height of all its images.
+    pub const fn size(&self) -> Size {
+        self.window.size
+    }
+
+    /// The noisy picture: the sum of all components.
+    pub fn beauty(&self) -> Image {
+        let mut sum = Image::zeros(self.size(), 3);
+        for component in &self.components {
+            sum.add(&component.radiance.mean);
+        }
+        sum
+    }
+
+    /// The component of `role`, if there is one.
+    pub fn component(&self, role: ComponentRole) -> Option<&Component> {
+        self.components.iter().find(|c| c.role == role)
+    }
+
+    /// The feature of `role`, if there is one.
+    pub fn feature(&self, role: FeatureRole) -> Option<&Feature> {
+        self.features.iter().find(|f| f.role == role)
+    }
+}

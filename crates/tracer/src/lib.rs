@@ -1,0 +1,16 @@
+//! A small unbiased path tracer that writes feature stacks.
+
+pub mod bsdf;
+pub mod bvh;
+pub mod camera;
+pub mod film;
+pub mod integrator;
+pub mod interaction;
+pub mod light;
+pub mod material;
+mod ray;
+pub mod sampler;
+pub mod scene;
+pub mod texture;
+
+pub use ray::Ray;
