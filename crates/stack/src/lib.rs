@@ -1,23 +1,23 @@
 //! What flows between renderer and denoiser.
 //!
 //! A [`FeatureStack`] is the whole state of a picture before reconstruction; a [`SampleMap`] asks the renderer for more
-//! samples. [`read`](exr_file) and write them as OpenEXR files. This crate knows neither of its users.
+//! samples. Module [`file`] reads and writes stacks as OpenEXR. This crate knows neither of its users.
 //!
 //! Limits: one-part scanline or tiled EXR files with channels of full resolution; deep data is refused.
 
 mod estimate;
-pub mod exr_file;
 mod fault;
 mod feature_stack;
+pub mod file;
 mod image;
 mod knob;
 mod monitor;
 mod samples;
 
 pub use estimate::{Estimate, Noise};
-pub use exr_file::Passthrough;
 pub use fault::Fault;
 pub use feature_stack::{Component, ComponentRole, Feature, FeatureRole, FeatureStack};
+pub use file::Passthrough;
 pub use image::{Image, Size, Window};
 pub use knob::{Knob, KnobError, KnobValue, Knobs, flag_name, read_knob};
 pub use monitor::{Cancelled, Monitor, Silent};

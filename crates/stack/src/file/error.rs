@@ -1,0 +1,100 @@
+//! What can go wrong with a stack's file.
+
+use std::path::{Path, PathBuf};
+
+use crate::{Fault, Size};
+
+/// A file could not be read or written as a picture or stack.
+#[derive(Debug, thiserror::Error)]
+pub enum FileError {
+    /// The file system refused.
+    #[error("{path}: cannot {action}: {source}")]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// What was tried.
+        action: &'static str,
+        /// Why not.
+        source: std::io::Error,
+    },
+    /// A folder was given where a file is needed.
+    #[error("{path}: expected a file, found a folder")]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+    },
+    /// The bytes are not a picture of the expected format, or are cut short.
+    #[error("{path}: not a readable {format} file: {reason}")]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What was expected.
+        format: &'static str,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// The file is well formed, but of a kind that is not supported.
+    #[error("{path}: {what} are not supported; {remedy}")]
+    Unsupported {
+        /// The file.
+        path: PathBuf,
+        /// The kind.
+        what: String,
+        /// What to do instead.
+        remedy: &'static str,
+    },
+    /// A needed layer is absent.
+    #[error("{path}: no {wanted}; expected channels {expected}, found {found}")]
+    Missing {
+        /// The file.
+        path: PathBuf,
+        /// The role that was looked for.
+        wanted: &'static str,
+        /// Channel names that would do.
+        expected: String,
+        /// Channel names there are.
+        found: String,
+    },
+    /// Two files that belong together have different sizes.
+    #[error("{path}: expected {expected} pixels as in {like}, found {found}")]
+    SizeDiffers {
+        /// The file that differs.
+        path: PathBuf,
+        /// The file it should agree with.
+        like: PathBuf,
+        /// Size of `like`.
+        expected: Size,
+        /// Size of `path`.
+        found: Size,
+    },
+    /// Two buckets hold the very same noise, so they are no independent measurements.
+    #[error("{first} and {second} hold identical noise; buckets must be independent renders (use another seed)")]
+    SameNoise {
+        /// One file.
+        first: PathBuf,
+        /// The other.
+        second: PathBuf,
+    },
+    /// Fewer buckets than any noise estimate needs.
+    #[error("{found} bucket given, at least 2 are needed; give more independent renders of the same picture")]
+    TooFewBuckets {
+        /// How many there are.
+        found: usize,
+    },
+}
+
+impl FileError {
+    /// Whose fault this is.
+    pub fn fault(&self) -> Fault {
+        match self {
+            Self::Io { action: "read", .. } => Fault::Input,
+            Self::Io { .. } => Fault::Machine,
+            Self::TooFewBuckets { .. } => Fault::Usage,
+            _ => Fault::Input,
+        }
+    }
+
+    pub(super) fn io(path: &Path, action: &'static str, source: std::io::Error) -> Self {
+        Self::Io { path: path.into(), action, source }
+    }
+}

@@ -1,0 +1,100 @@
+//! Tests that a stack survives its file.
+
+use super::*;
+use crate::{
+    Component, ComponentRole, Dealing, Estimate, Feature, FeatureRole, FeatureStack, Image, SampleCounts, Size, Window,
+};
+
+const SIZE: Size = Size::new(5, 4);
+
+fn image(channels: usize, seed: usize) -> Image {
+    let value = |c: usize, i: usize| ((seed * 31 + c * 17 + i * 7) % 23) as f32 * 0.1;
+    Image::from_channels(SIZE, (0..channels).map(|c| (0..SIZE.pixels()).map(|i| value(c, i)).collect()).collect())
+}
+
+fn stack() -> FeatureStack {
+    let samples = SampleCounts {
+        first: 0,
+        total: (0..SIZE.pixels()).map(|i| 4 + (i % 9) as u32).collect(),
+        dealing: Dealing::Numbered { sequences: 8, buckets: 8 },
+    };
+    let buckets = |seed: usize| {
+        let mut buckets: Vec<Image> = (0..8).map(|b| image(3, seed + b)).collect();
+        for (b, bucket) in buckets.iter_mut().enumerate() {
+            for pixel in 0..SIZE.pixels() {
+                if samples.in_group(pixel, b, 8) == 0 {
+                    bucket.channels_mut().iter_mut().for_each(|plane| plane[pixel] = 0.0);
+                }
+            }
+        }
+        Estimate::from_buckets(buckets, &samples)
+    };
+    let components = ComponentRole::ALL.iter().map(|&role| Component { role, radiance: buckets(role as usize) });
+    let feature = |role: FeatureRole| {
+        let n = role.channels().len();
+        Estimate::from_buckets(vec![image(n, 40 + role as usize), image(n, 50 + role as usize)], &samples)
+    };
+    FeatureStack {
+        window: Window { x: 2, y: 1, size: SIZE },
+        film: Size::new(9, 8),
+        components: components.collect(),
+        features: FeatureRole::ALL.iter().map(|&role| Feature { role, estimate: feature(role) }).collect(),
+        passthrough: Vec::new(),
+        samples,
+    }
+}
+
+fn header() -> StackHeader {
+    StackHeader { first: 0, sequences: 8, buckets: 8, settings: serde_json::json!({"seed": 3}) }
+}
+
+#[test]
+fn a_stack_is_read_back_bit_for_bit() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("stack.exr");
+    let stack = stack();
+    let picture = image(3, 99);
+    let results = [ResultLayer { name: "", channels: &["R", "G", "B"], planes: picture.channels() }];
+    write_stack(&path, &stack, true, &header(), &results).unwrap();
+    let read = read_stack(&path).unwrap();
+    assert_eq!(read.header.unwrap(), header());
+    assert_eq!(read.stack, stack);
+    assert_eq!(read_picture(&path).unwrap(), picture);
+}
+
+#[test]
+fn equal_stacks_write_equal_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let written = ["a.exr", "b.exr"].map(|name| {
+        let path = folder.path().join(name);
+        write_stack(&path, &stack(), true, &header(), &[]).unwrap();
+        std::fs::read(path).unwrap()
+    });
+    assert_eq!(written[0], written[1]);
+}
+
+#[test]
+fn buckets_from_several_files_make_one_stack() {
+    let folder = tempfile::tempdir().unwrap();
+    let paths: Vec<_> = (0..4)
+        .map(|b| {
+            let path = folder.path().join(format!("b{b}.exr"));
+            let mut colour = image(3, b);
+            // One lamp pixel that every bucket agrees about.
+            colour.channels_mut().iter_mut().for_each(|plane| plane[7] = 50.0);
+            write_picture(&path, &colour).unwrap();
+            path
+        })
+        .collect();
+    let read = read_buckets(&paths).unwrap();
+    let emission = read.stack.component(ComponentRole::Emission).unwrap();
+    assert_eq!(emission.radiance.mean.rgb(7), [50.0; 3]);
+    assert_eq!(read.stack.component(ComponentRole::Scattered).unwrap().radiance.mean.rgb(7), [0.0; 3]);
+    assert!((read.stack.beauty().mean_at(3) - (0..4).map(|b| image(3, b).mean_at(3)).sum::<f32>() / 4.0).abs() < 1e-5);
+
+    std::fs::copy(&paths[0], &paths[2]).unwrap();
+    assert!(matches!(read_buckets(&paths), Err(FileError::SameNoise { .. })));
+    assert!(matches!(read_buckets(&paths[..1]), Err(FileError::TooFewBuckets { found: 1 })));
+    write_picture(&paths[1], &Image::zeros(Size::new(2, 2), 3)).unwrap();
+    assert!(matches!(read_buckets(&paths), Err(FileError::SizeDiffers { .. })));
+}
