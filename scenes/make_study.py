@@ -1,0 +1,207 @@
+#!/usr/bin/env python3
+"""Writes study.obj and study.mtl beside itself: a room with a glossy table, glass and a small bright lamp.
+
+Plain Python, no packages. Run it again after changing a shape: python3 scenes/make_study.py
+"""
+from math import cos, pi, sin, sqrt
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+
+MATERIALS = """\
+newmtl wall
+Kd 0.72 0.68 0.60
+newmtl terracotta
+Kd 0.58 0.24 0.15
+newmtl ceiling
+Kd 0.80 0.80 0.78
+newmtl plank_light
+Kd 0.42 0.28 0.17
+Ks 0.04 0.04 0.04
+Ns 60
+newmtl plank_dark
+Kd 0.33 0.21 0.12
+Ks 0.04 0.04 0.04
+Ns 60
+newmtl table
+Kd 0.16 0.07 0.04
+Ks 0.06 0.06 0.06
+Ns 900
+newmtl brass
+Kd 0 0 0
+Ks 0.88 0.70 0.36
+Pm 1
+Pr 0.35
+illum 3
+newmtl steel
+Kd 0 0 0
+Ks 0.78 0.79 0.81
+Pm 1
+Pr 0.12
+illum 3
+newmtl glass
+Kd 0 0 0
+Ks 1 1 1
+Tf 1 1 1
+Ni 1.5
+d 0.1
+illum 7
+newmtl ceramic
+Kd 0.12 0.28 0.42
+Ks 0.05 0.05 0.05
+Ns 400
+newmtl shade
+Kd 0.70 0.64 0.50
+newmtl book_red
+Kd 0.50 0.08 0.07
+newmtl book_ochre
+Kd 0.60 0.42 0.10
+newmtl book_green
+Kd 0.10 0.30 0.16
+newmtl paper
+Kd 0.80 0.76 0.66
+newmtl frame
+Kd 0.05 0.05 0.05
+newmtl lamp
+Kd 0 0 0
+Ke 260 205 130
+newmtl skylight
+Kd 0 0 0
+Ke 1.1 1.3 1.6
+"""
+
+
+class Mesh:
+    """Collects vertices, normals and faces, and prints them as OBJ."""
+
+    def __init__(self):
+        self.lines = ["# made by make_study.py", "mtllib study.mtl"]
+        self.vertices = self.normals = 0
+
+    def begin(self, name, material):
+        self.lines += [f"o {name}", f"usemtl {material}"]
+
+    def quad(self, a, b, c, d):
+        """Counter-clockwise as seen from outside."""
+        for p in (a, b, c, d):
+            self.lines.append("v %.4g %.4g %.4g" % tuple(p))
+        n = self.vertices
+        self.lines.append(f"f {n + 1} {n + 2} {n + 3} {n + 4}")
+        self.vertices += 4
+
+    def box(self, low, high):
+        (x0, y0, z0), (x1, y1, z1) = low, high
+        self.quad((x0, y0, z1), (x1, y0, z1), (x1, y1, z1), (x0, y1, z1))
+        self.quad((x1, y0, z0), (x0, y0, z0), (x0, y1, z0), (x1, y1, z0))
+        self.quad((x1, y0, z1), (x1, y0, z0), (x1, y1, z0), (x1, y1, z1))
+        self.quad((x0, y0, z0), (x0, y0, z1), (x0, y1, z1), (x0, y1, z0))
+        self.quad((x0, y1, z1), (x1, y1, z1), (x1, y1, z0), (x0, y1, z0))
+        self.quad((x0, y0, z0), (x1, y0, z0), (x1, y0, z1), (x0, y0, z1))
+
+    def lathe(self, centre, profile, segments):
+        """Turns a profile of (radius, height) about the vertical axis; the outside is right of its direction."""
+        cx, cy, cz = centre
+        rings = []
+        for i, (r, h) in enumerate(profile):
+            (r0, h0), (r1, h1) = profile[max(i - 1, 0)], profile[min(i + 1, len(profile) - 1)]
+            nr, nh = h1 - h0, r0 - r1
+            length = sqrt(nr * nr + nh * nh) or 1
+            nr, nh = nr / length, nh / length
+            ring = []
+            for s in range(segments):
+                a = 2 * pi * s / segments
+                self.lines.append("v %.4g %.4g %.4g" % (cx + r * cos(a), cy + h, cz + r * sin(a)))
+                self.lines.append("vn %.3g %.3g %.3g" % (nr * cos(a), nh, nr * sin(a)))
+                self.vertices += 1
+                self.normals += 1
+                ring.append(f"{self.vertices}//{self.normals}")
+            rings.append(ring)
+        for low, high in zip(rings, rings[1:]):
+            for s in range(segments):
+                t = (s + 1) % segments
+                self.lines.append(f"f {low[s]} {high[s]} {high[t]} {low[t]}")
+
+
+def sphere(radius, steps):
+    """Profile of a sphere, from its bottom to its top."""
+    angles = [pi * i / steps - pi / 2 for i in range(steps + 1)]
+    return [(max(radius * cos(a), 1e-5), radius * sin(a)) for a in angles]
+
+
+def room(m):
+    m.begin("floor_light", "plank_light")
+    planks = [(-2.0 + 0.2 * i, -1.8 + 0.2 * i) for i in range(20)]
+    for x0, x1 in planks[0::2]:
+        m.quad((x0, 0, 2.4), (x1, 0, 2.4), (x1, 0, -2), (x0, 0, -2))
+    m.begin("floor_dark", "plank_dark")
+    for x0, x1 in planks[1::2]:
+        m.quad((x0, 0, 2.4), (x1, 0, 2.4), (x1, 0, -2), (x0, 0, -2))
+    m.begin("ceiling", "ceiling")
+    m.quad((-2, 2.6, -2), (2, 2.6, -2), (2, 2.6, 2.4), (-2, 2.6, 2.4))
+    m.begin("back", "wall")
+    m.quad((-2, 0, -2), (2, 0, -2), (2, 2.6, -2), (-2, 2.6, -2))
+    m.begin("right", "wall")
+    m.quad((2, 0, -2), (2, 0, 2.4), (2, 2.6, 2.4), (2, 2.6, -2))
+    m.begin("front", "wall")
+    m.quad((2, 0, 2.4), (-2, 0, 2.4), (-2, 2.6, 2.4), (2, 2.6, 2.4))
+    m.begin("left", "terracotta")
+    m.quad((-2, 0, 2.4), (-2, 0, -2), (-2, 2.6, -2), (-2, 2.6, 2.4))
+    m.begin("skylight", "skylight")
+    m.quad((0.9, 2.59, 1.9), (0.9, 2.59, 0.6), (1.8, 2.59, 0.6), (1.8, 2.59, 1.9))
+
+
+def furniture(m):
+    m.begin("table_top", "table")
+    m.box((-0.85, 0.71, -1.45), (0.85, 0.75, -0.45))
+    m.begin("table_legs", "table")
+    for x in (-0.8, 0.74):
+        for z in (-1.4, -0.56):
+            m.box((x, 0, z), (x + 0.06, 0.71, z + 0.06))
+    m.begin("picture_frame", "frame")
+    m.box((-0.65, 1.35, -2), (0.15, 1.95, -1.97))
+    m.begin("picture", "paper")
+    m.quad((-0.6, 1.4, -1.969), (0.1, 1.4, -1.969), (0.1, 1.9, -1.969), (-0.6, 1.9, -1.969))
+    m.begin("picture_sun", "book_ochre")
+    m.quad((-0.2, 1.62, -1.968), (0.02, 1.62, -1.968), (0.02, 1.82, -1.968), (-0.2, 1.82, -1.968))
+    m.begin("picture_hill", "book_green")
+    m.quad((-0.6, 1.4, -1.968), (0.1, 1.4, -1.968), (0.1, 1.52, -1.968), (-0.6, 1.6, -1.968))
+    m.begin("book_low", "book_green")
+    m.box((-0.72, 0.75, -1.25), (-0.38, 0.79, -0.99))
+    m.begin("book_middle", "book_ochre")
+    m.box((-0.70, 0.79, -1.23), (-0.40, 0.82, -1.01))
+    m.begin("book_high", "book_red")
+    m.box((-0.69, 0.82, -1.21), (-0.43, 0.865, -1.03))
+
+
+def things(m):
+    m.begin("lamp_foot", "brass")
+    m.lathe((0.5, 0.75, -1.1), [(0.001, 0), (0.09, 0), (0.09, 0.012), (0.012, 0.02), (0.008, 0.2), (0.008, 0.36)], 24)
+    m.begin("lamp_bulb", "lamp")
+    m.lathe((0.5, 1.15, -1.1), sphere(0.035, 8), 12)
+    m.begin("lamp_shade", "shade")
+    m.lathe((0.5, 1.08, -1.1), [(0.165, 0), (0.09, 0.19)], 32)
+    m.begin("goblet", "glass")
+    outside = [(0.001, 0), (0.036, 0), (0.036, 0.004), (0.008, 0.01), (0.005, 0.03), (0.005, 0.075), (0.012, 0.085),
+               (0.034, 0.1), (0.044, 0.125), (0.044, 0.15), (0.038, 0.19)]
+    inside = [(0.0355, 0.19), (0.0415, 0.15), (0.0415, 0.125), (0.032, 0.103), (0.01, 0.092), (0.001, 0.09)]
+    m.lathe((0.02, 0.75, -0.72), outside + inside, 32)
+    m.begin("paperweight", "glass")
+    m.lathe((-0.28, 0.805, -0.72), sphere(0.055, 14), 28)
+    m.begin("ball", "steel")
+    m.lathe((0.22, 0.83, -0.93), sphere(0.08, 14), 28)
+    m.begin("bowl", "ceramic")
+    m.lathe((-0.12, 0.75, -1.12), [(0.001, 0), (0.05, 0), (0.055, 0.01), (0.11, 0.05), (0.14, 0.1), (0.132, 0.1),
+                                   (0.104, 0.056), (0.05, 0.018), (0.001, 0.014)], 32)
+
+
+def main():
+    mesh = Mesh()
+    room(mesh)
+    furniture(mesh)
+    things(mesh)
+    (HERE / "study.obj").write_text("\n".join(mesh.lines) + "\n")
+    (HERE / "study.mtl").write_text(MATERIALS)
+
+
+if __name__ == "__main__":
+    main()
