@@ -129,7 +129,7 @@ mod tests {
         let values: Vec<f32> = (0..40).map(|i| (i * i % 17) as f32).collect();
         for width in 1..20 {
             let mut sums = vec![0.0; values.len() + 1 - width];
-            window_sums(&values, width, &mut vec![0.0; 40], &mut sums);
+            window_sums(&values, width, &mut [0.0; 40], &mut sums);
             for (i, sum) in sums.iter().enumerate() {
                 assert_eq!(*sum, values[i..i + width].iter().sum::<f32>(), "width {width} at {i}");
             }
