@@ -58,8 +58,8 @@ stack::knobs! {
         /// Radius of the patches that are compared, in pixels: 3 makes patches of 7×7 (eq. 11).
         patch_radius: usize = 3, 0..=16;
         /// ε of the distance between pixels (eq. 10), in units of variance of features within [−1, 1]: keeps it finite
-        /// where there is no noise.
-        epsilon: f32 = 1e-10, 1e-30..=1.0;
+        /// where there is no noise, and lets differences well below √ε be averaged there.
+        epsilon: f32 = 1e-4, 1e-30..=1.0;
         /// Where variance comes from: halves as in the paper, or buckets.
         variance_from: VarianceSource = VarianceSource::Halves, ..;
         /// Radius of the box that smooths the variance, in pixels.
