@@ -1,1 +1,139 @@
-//! Placeholder.
+//! Samples where the estimated error is largest (the paper's section 5).
+
+mod budget;
+mod error_map;
+
+use stack::{Image, SampleMap};
+
+pub use error_map::ErrorEstimate;
+use error_map::{cap_at_quantile, expected_reduction, relative_error, replace_non_finite, smooth};
+
+/// The paper's ε, which keeps errors relative to black finite.
+const EPSILON: f32 = 0.001;
+
+stack::knobs! {
+    /// How samples are distributed.
+    pub struct AdaptiveSettings("adaptive") {
+        /// Added to the squared luminance that errors are divided by (section 5): less of it sends more samples into
+        /// the dark.
+        epsilon: f32 = EPSILON, 1e-8..=1.0;
+        /// Errors are cut off at this quantile of all pixels (section 5), 0 to 1.
+        quantile: f32 = 0.95, 0.0..=1.0;
+        /// Most samples a pixel can get in a round, as a multiple of the round's mean (section 5).
+        most: f32 = 8.0, 1.0..=1000.0;
+    }
+}
+
+/// Which samples to take next: `budget` of them (all pixels together), distributed by the error reduction to expect,
+/// ΔMSE = MSE·n^(−4/(k+4)) relative to α̂² + ε, where α̂ is the luminance, the mean over RGB. The map is smoothed by a 3×3
+/// Gaussian and cut off at the 95 % quantile; samples are proportional to it, rounded up, and handed out from the largest
+/// error down until the budget is gone. Every pixel goes on where its samples ended.
+///
+/// The counts add up to exactly `budget`, unless the picture is empty.
+pub fn sample_map(estimate: &ErrorEstimate, budget: u64, settings: &AdaptiveSettings) -> SampleMap {
+    let counts = estimate.counts;
+    let first = counts.total.iter().map(|n| counts.first + n).collect();
+    let mut map = smooth(&expected_reduction(estimate, settings.epsilon), estimate.picture.size());
+    cap_at_quantile(&mut map, settings.quantile.into());
+    SampleMap { first, count: budget::hand_out(&map, budget, most_per_pixel(budget, map.len(), settings)) }
+}
+
+/// At most `most` times the round's mean, in whole samples; at least one.
+fn most_per_pixel(budget: u64, pixels: usize, settings: &AdaptiveSettings) -> u32 {
+    let mean = budget as f64 / pixels.max(1) as f64;
+    (f64::from(settings.most) * mean).floor().max(mean.ceil()).max(1.0) as u32
+}
+
+/// How many samples the next round may take: the `rounds` that are left share equally what is left of `total` samples
+/// after the `taken` ones.
+pub fn round_budget(total: u64, taken: u64, rounds: u64) -> u64 {
+    total.saturating_sub(taken) / rounds.max(1)
+}
+
+/// The relative mean squared error the reconstruction believes to have: mean over pixels of MSE/(α̂² + 0.001), α̂ the
+/// luminance (mean over RGB). Comparable to the paper's rMSE. What is not finite counts as the largest finite one.
+pub fn estimated_rmse(mse: &[f32], picture: &Image) -> f64 {
+    let mut errors: Vec<f64> = (0..mse.len()).map(|i| relative_error(mse, picture, EPSILON, i)).collect();
+    replace_non_finite(&mut errors);
+    errors.iter().sum::<f64>() / errors.len().max(1) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_noise::TestNoise;
+    use proptest::prelude::*;
+    use stack::{SampleCounts, Size};
+
+    fn map_of(mse: &[f32], picture: &Image, counts: &SampleCounts, budget: u64) -> SampleMap {
+        let rank = vec![3.0; mse.len()];
+        let estimate = ErrorEstimate { mse, picture, rank: &rank, counts };
+        sample_map(&estimate, budget, &AdaptiveSettings::DEFAULT)
+    }
+
+    #[test]
+    fn uniform_error_gives_a_uniform_map_that_goes_on_where_samples_ended() {
+        let picture = Image::from_channels(Size::new(9, 5), vec![vec![0.4; 45]; 3]);
+        let counts = SampleCounts { first: 100, ..SampleCounts::uniform(45, vec![4]) };
+        for mse in [0.3, 0.0, f32::NAN, f32::INFINITY] {
+            let map = map_of(&[mse; 45], &picture, &counts, 45 * 6);
+            assert_eq!(map, SampleMap { first: vec![104; 45], count: vec![6; 45] });
+        }
+    }
+
+    #[test]
+    fn samples_go_where_the_error_is_relative_to_brightness() {
+        let size = Size::new(20, 20);
+        let half = |a: f32, b: f32| (0..400).map(|i| if i % 20 < 10 { a } else { b }).collect::<Vec<_>>();
+        let picture = Image::from_channels(size, vec![half(0.1, 1.0); 3]);
+        let counts = SampleCounts::uniform(400, vec![4]);
+        let map = map_of(&half(0.011, 1.001), &picture, &counts, 4000);
+        assert!(map.count.iter().all(|n| *n == 10), "equal relative errors");
+        let map = map_of(&half(0.033, 1.001), &picture, &counts, 4000);
+        assert_eq!(map.count[45], 15);
+        let right: u32 = (0..400).filter(|i| i % 20 >= 10).map(|i| map.count[i]).sum();
+        assert!((right as f32 / 1000.0 - 1.0).abs() < 0.1, "a quarter, but for rounding: {right}");
+    }
+
+    #[test]
+    fn the_estimated_error_is_the_mean_of_relative_errors() {
+        let picture = Image::from_channels(Size::new(3, 1), vec![vec![0.0, 3.0, 0.0], vec![0.0; 3], vec![0.0; 3]]);
+        let error = estimated_rmse(&[0.002, 1.001, f32::NAN], &picture);
+        assert!((error - (2.0 + 1.0 + 2.0) / 3.0).abs() < 1e-6);
+        assert_eq!(estimated_rmse(&[], &Image::zeros(Size::new(0, 0), 3)), 0.0);
+    }
+
+    #[test]
+    fn rounds_share_what_is_left_equally_and_use_it_up() {
+        let mut taken = 400;
+        for rounds in [3, 2, 1] {
+            taken += round_budget(1001, taken, rounds);
+        }
+        assert_eq!(taken, 1001);
+        assert_eq!(round_budget(100, 200, 3), 0);
+    }
+
+    proptest! {
+        #[test]
+        fn the_budget_and_the_cap_are_kept(
+            seed in any::<u64>(), width in 1_usize..30, height in 1_usize..30, per_pixel in 0.0_f64..20.0,
+        ) {
+            let pixels = width * height;
+            let mut noise = TestNoise(seed);
+            let mse: Vec<f32> = (0..pixels).map(|_| match noise.uniform() {
+                u if u < 0.02 => f32::NAN,
+                u if u < 0.6 => 0.0,
+                _ => noise.normal().powi(6) as f32,
+            }).collect();
+            let channels = (0..3).map(|_| noise.normals(pixels, 0.5, 0.3)).collect();
+            let picture = Image::from_channels(Size::new(width, height), channels);
+            let counts = SampleCounts::uniform(pixels, vec![4]);
+            let budget = (per_pixel * pixels as f64) as u64;
+            let map = map_of(&mse, &picture, &counts, budget);
+            prop_assert_eq!(map.samples(), budget);
+            let most = (8.0 * budget as f64 / pixels as f64).max(1.0);
+            prop_assert!(map.count.iter().all(|n| f64::from(*n) <= most));
+            prop_assert_eq!(map, map_of(&mse, &picture, &counts, budget));
+        }
+    }
+}

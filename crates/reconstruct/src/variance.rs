@@ -1,0 +1,117 @@
+//! Variances made fit for use: smoothed, and known everywhere.
+
+use stack::{Estimate, Image, Noise, SampleCounts};
+
+use crate::box_filter::{box_mean, fill_unknown};
+
+/// Variance of the mean from the two half-buffers alone, per channel: n_A n_B (A − B)²/n², which is (A − B)²/4 when
+/// they are equal (Rousselle et al. 2012, section 5; the paper, section 4.2). `map` is applied to both halves first.
+/// NaN where a half is empty. `None` when the noise does not come in buckets.
+pub fn half_variance(estimate: &Estimate, counts: &SampleCounts, map: impl Fn(usize, f32) -> f32) -> Option<Image> {
+    let [a, b] = estimate.halves(counts)?;
+    let shares: Vec<f32> = (0..a.pixels()).map(|pixel| share_of_halves(counts, pixel)).collect();
+    let mut variance = a;
+    for (c, (a, b)) in variance.channels_mut().iter_mut().zip(b.channels()).enumerate() {
+        for ((a, b), share) in a.iter_mut().zip(b).zip(&shares) {
+            *a = share * (map(c, *a) - map(c, *b)).powi(2);
+        }
+    }
+    Some(variance)
+}
+
+/// n_A n_B / n² of one pixel; NaN when a half is empty.
+fn share_of_halves(counts: &SampleCounts, pixel: usize) -> f32 {
+    let [a, b] = [0, 1].map(|half| counts.in_group(pixel, half, 2) as f32);
+    if a > 0.0 && b > 0.0 { a * b / ((a + b) * (a + b)) } else { f32::NAN }
+}
+
+/// Variance of the mean from the spread of all buckets, per channel: Σ n_b (x_b − m)²/((B − 1) n) over the B that hold
+/// samples, after `map` was applied to each. Less noisy than two halves. NaN where fewer than two hold samples. `None`
+/// when the noise does not come in buckets.
+pub fn bucket_variance(estimate: &Estimate, counts: &SampleCounts, map: impl Fn(usize, f32) -> f32) -> Option<Image> {
+    let Noise::Buckets(buckets) = &estimate.noise else { return None };
+    let mut variance = Image::zeros(estimate.mean.size(), estimate.mean.channels().len());
+    let mut held: Vec<(usize, f32)> = Vec::new();
+    for pixel in 0..variance.pixels() {
+        held.clear();
+        held.extend((0..buckets.len()).map(|b| (b, counts.in_group(pixel, b, buckets.len()) as f32)));
+        held.retain(|(_, n)| *n > 0.0);
+        for (c, plane) in variance.channels_mut().iter_mut().enumerate() {
+            plane[pixel] = spread(held.iter().map(|(b, n)| (*n, map(c, buckets[*b].channels()[c][pixel]))));
+        }
+    }
+    Some(variance)
+}
+
+/// Variance of the mean of values, each the mean of n samples; NaN for fewer than two.
+fn spread(values: impl Iterator<Item = (f32, f32)> + Clone) -> f32 {
+    let total: f32 = values.clone().map(|(n, _)| n).sum();
+    let mean = values.clone().map(|(n, x)| n * x).sum::<f32>() / total;
+    let squares: f32 = values.clone().map(|(n, x)| n * (x - mean) * (x - mean)).sum();
+    let held = values.count();
+    if held < 2 { f32::NAN } else { squares / ((held - 1) as f32 * total) }
+}
+
+/// Smooths every channel over (2·`radius` + 1)² windows. Unknown values (NaN) are left out and then taken from their
+/// neighbours. `None` when a channel knows nothing at all. Finite and ≥ 0 when the known values are.
+pub fn smoothed(variance: &Image, radius: usize) -> Option<Image> {
+    let size = variance.size();
+    let channels = variance.channels().iter().map(|channel| {
+        let mut smooth = box_mean(channel, size, radius);
+        fill_unknown(&mut smooth, size);
+        smooth
+    });
+    let channels: Vec<Vec<f32>> = channels.collect();
+    let known = channels.iter().all(|channel| channel.iter().all(|v| !v.is_nan()));
+    known.then(|| Image::from_channels(size, channels))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use stack::{Dealing, Size};
+
+    fn row(values: &[f32]) -> Image {
+        Image::from_channels(Size::new(values.len(), 1), vec![values.to_vec()])
+    }
+
+    /// 13, 4 and 1 samples in eight buckets whose values are their numbers.
+    fn thirteen_four_one() -> (Estimate, SampleCounts) {
+        let dealing = Dealing::Numbered { sequences: 8, buckets: 8 };
+        let counts = SampleCounts { first: 0, total: vec![13, 4, 1], dealing };
+        (Estimate::from_buckets((0..8).map(|b| row(&[b as f32; 3])).collect(), &counts), counts)
+    }
+
+    #[test]
+    fn halves_follow_the_closed_form() {
+        let (estimate, counts) = thirteen_four_one();
+        let variance = half_variance(&estimate, &counts, |_, x| x).unwrap();
+        // Even buckets hold 2 2 2 1 samples, odd ones 2 2 1 1.
+        let (a, b) = ((2.0 * 2.0 + 2.0 * 4.0 + 6.0) / 7.0, (2.0 + 2.0 * 3.0 + 5.0 + 7.0) / 6.0);
+        let expected: f32 = 42.0 / 169.0 * (a - b) * (a - b);
+        assert!((variance.channels()[0][0] - expected).abs() < 1e-5);
+        assert_eq!(variance.channels()[0][1], 0.25, "(1 − 2)²/4 from the buckets 0 2 | 1 3");
+        assert!(variance.channels()[0][2].is_nan());
+    }
+
+    #[test]
+    fn buckets_agree_with_the_estimate_and_respect_the_map() {
+        let (estimate, counts) = thirteen_four_one();
+        let plain = estimate.variance_of_mean(&counts).unwrap();
+        let ours = bucket_variance(&estimate, &counts, |_, x| x).unwrap();
+        assert!((plain.channels()[0][0] - ours.channels()[0][0]).abs() < 1e-5);
+        assert!(ours.channels()[0][2].is_nan());
+        let clamped = bucket_variance(&estimate, &counts, |_, x| x.min(1.0)).unwrap();
+        let of_0_1_1_1 = 0.75 / (3.0 * 4.0);
+        assert!((clamped.channels()[0][1] - of_0_1_1_1).abs() < 1e-6);
+    }
+
+    #[test]
+    fn smoothing_fills_what_is_unknown() {
+        let variance = row(&[f32::NAN, 4.0, 2.0, f32::NAN, f32::NAN, f32::NAN]);
+        let smooth = smoothed(&variance, 1).unwrap();
+        assert_eq!(smooth.channels()[0][..4], [4.0, 3.0, 3.0, 2.0]);
+        assert!(smooth.channels()[0].iter().all(|v| *v >= 2.0 && *v <= 4.0));
+        assert!(smoothed(&row(&[f32::NAN; 3]), 1).is_none());
+    }
+}
