@@ -1,5 +1,7 @@
 //! A measured image and what is known about its noise.
 
+use rayon::prelude::*;
+
 use crate::{Image, SampleCounts};
 
 /// What is known about the noise of an estimate.
@@ -56,30 +58,19 @@ impl Estimate {
     }
 }
 
+/// Pixels that one task works on.
+const CHUNK: usize = 4096;
+
 /// Mean of those `buckets` that `keep` names, weighted by their counts; zero where none has a sample.
-fn weighted_mean_of(buckets: &[Image], counts: &SampleCounts, keep: impl Fn(usize) -> bool) -> Image {
-    let (size, channels) = (buckets[0].size(), buckets[0].channels().len());
-    let mut mean = Image::zeros(size, channels);
-    let mut weights = vec![0.0_f32; size.pixels()];
-    for (b, bucket) in buckets.iter().enumerate().filter(|(b, _)| keep(*b)) {
-        for pixel in 0..size.pixels() {
-            let n = counts.in_group(pixel, b, buckets.len()) as f32;
-            weights[pixel] += n;
-            for c in 0..channels {
-                if n > 0.0 {
-                    mean.channels_mut()[c][pixel] += n * bucket.channels()[c][pixel];
-                }
-            }
+fn weighted_mean_of(buckets: &[Image], counts: &SampleCounts, keep: impl Fn(usize) -> bool + Sync) -> Image {
+    map_planes(buckets, counts, |values, n, _| {
+        let (mut sum, mut weight) = (0.0_f32, 0.0_f32);
+        for b in (0..n.len()).filter(|b| n[*b] > 0.0 && keep(*b)) {
+            sum += n[b] * values[b];
+            weight += n[b];
         }
-    }
-    for channel in mean.channels_mut() {
-        for (value, weight) in channel.iter_mut().zip(&weights) {
-            if *weight > 0.0 {
-                *value /= weight;
-            }
-        }
-    }
-    mean
+        if weight > 0.0 { sum / weight } else { 0.0 }
+    })
 }
 
 fn weighted_mean(buckets: &[Image], counts: &SampleCounts) -> Image {
@@ -91,28 +82,36 @@ fn half_mean(buckets: &[Image], counts: &SampleCounts, half: usize) -> Image {
 }
 
 fn spread_of_buckets(buckets: &[Image], mean: &Image, counts: &SampleCounts) -> Image {
-    let (size, channels) = (mean.size(), mean.channels().len());
-    let mut variance = Image::zeros(size, channels);
-    let mut n = vec![0.0_f32; buckets.len()];
-    for pixel in 0..size.pixels() {
-        for (b, n) in n.iter_mut().enumerate() {
-            *n = counts.in_group(pixel, b, buckets.len()) as f32;
-        }
+    map_planes(buckets, counts, |values, n, (channel, pixel)| {
+        let m = mean.channels()[channel][pixel];
         let filled = n.iter().filter(|n| **n > 0.0).count();
-        let total: f32 = n.iter().sum();
-        for c in 0..channels {
-            let m = mean.channels()[c][pixel];
-            let spread: f32 = buckets
-                .iter()
-                .zip(&n)
-                .filter(|(_, n)| **n > 0.0)
-                .map(|(bucket, n)| n * (bucket.channels()[c][pixel] - m).powi(2))
-                .sum();
-            variance.channels_mut()[c][pixel] =
-                if filled < 2 { f32::NAN } else { spread / ((filled - 1) as f32 * total) };
-        }
+        let held = values.iter().zip(n).filter(|(_, n)| **n > 0.0);
+        let spread: f32 = held.map(|(x, n)| n * (x - m).powi(2)).sum();
+        if filled < 2 { f32::NAN } else { spread / ((filled - 1) as f32 * n.iter().sum::<f32>()) }
+    })
+}
+
+/// An image whose every value is `f` of the buckets' values there, their sample counts, and (channel, pixel).
+fn map_planes(
+    buckets: &[Image],
+    counts: &SampleCounts,
+    f: impl Fn(&[f32], &[f32], (usize, usize)) -> f32 + Sync,
+) -> Image {
+    let mut image = Image::zeros(buckets[0].size(), buckets[0].channels().len());
+    for (c, plane) in image.channels_mut().iter_mut().enumerate() {
+        plane.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, out)| {
+            let (mut values, mut n) = (vec![0.0; buckets.len()], vec![0.0; buckets.len()]);
+            for (i, out) in out.iter_mut().enumerate() {
+                let pixel = chunk * CHUNK + i;
+                for (b, bucket) in buckets.iter().enumerate() {
+                    values[b] = bucket.channels()[c][pixel];
+                    n[b] = counts.in_group(pixel, b, buckets.len()) as f32;
+                }
+                *out = f(&values, &n, (c, pixel));
+            }
+        });
     }
-    variance
+    image
 }
 
 #[cfg(test)]
