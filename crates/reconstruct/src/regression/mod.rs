@@ -1,13 +1,57 @@
 //! Every pixel rebuilt by a local regression on the features.
+//!
+//! The steps of a pixel are those of the paper: the [`window`] of neighbours; the directions in which its features
+//! vary ([`reduce`], section 4.3, by [`robust_pca`]); the pilot [`bandwidth`] (section 4.4); the [`curvature`] along
+//! each direction; the [`local_linear`] estimate and its error (section 3.1). Neighbouring pixels take them side by
+//! side, in the [`lanes`] of the processor's vectors.
 
-use stack::Image;
+mod bandwidth;
+mod cholesky;
+mod curvature;
+mod field;
+mod lanes;
+mod local_linear;
+mod matrix;
+mod reduce;
+mod robust_pca;
+mod row;
+mod symmetric_eigen;
+mod window;
+
+use rayon::prelude::*;
+use stack::{Cancelled, Image, Monitor};
 
 use crate::prefilter::FeatureSet;
+use field::Field;
+use row::{Row, RowTask};
 
-/// What the regression starts from.
+pub use bandwidth::{BandwidthSettings, pilot_bandwidth};
+pub use curvature::CurvatureSettings;
+pub use local_linear::LocalLinearSettings;
+pub use reduce::{Energy, RankRule, ReductionMethod, ReductionSettings};
+pub use robust_pca::{Lambda, Order};
+pub use window::{Normalisation, WindowSettings};
+
+stack::knob_groups! {
+    /// Settings of the regression.
+    pub struct RegressionSettings {
+        /// Size and scaling of the window.
+        window: WindowSettings,
+        /// Dimensionality reduction.
+        reduction: ReductionSettings,
+        /// Shared bandwidth.
+        bandwidth: BandwidthSettings,
+        /// Bandwidth factors.
+        curvature: CurvatureSettings,
+        /// Local linear estimate.
+        local_linear: LocalLinearSettings,
+    }
+}
+
+/// What the regression starts from. All planes have the size of `features`.
 #[derive(Clone, Copy, Debug)]
 pub struct RegressionInput<'a> {
-    /// Radiance freed of spikes, three channels.
+    /// Radiance freed of spikes, three finite channels.
     pub colour: &'a Image,
     /// Variance of its mean, three channels, finite and ≥ 0.
     pub variance: &'a Image,
@@ -16,6 +60,9 @@ pub struct RegressionInput<'a> {
     /// Pixels to rebuild; the others keep their colour with an error of zero. `None`: all.
     pub active: Option<&'a [bool]>,
 }
+
+/// The steps that [`Regression::step_seconds`] tells apart, in order.
+pub const STEPS: [&str; 4] = ["reduce", "bandwidth", "curvature", "regression"];
 
 /// What the regression finds, one value per pixel.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,4 +75,70 @@ pub struct Regression {
     pub bandwidth: Vec<f32>,
     /// Rank k of the reduced space (eq. 12).
     pub rank: Vec<f32>,
+    /// How many pixels kept their colour, and its variance as error, because no other pixel of their window resembles
+    /// them.
+    pub kept: usize,
+    /// Seconds spent on each of [`STEPS`], all threads together. The only field that differs between equal runs.
+    pub step_seconds: [f64; STEPS.len()],
+}
+
+impl Regression {
+    /// Nothing rebuilt yet: the colours of `input`, and no error.
+    fn unchanged(input: &RegressionInput) -> Self {
+        let nothing = vec![0.0; input.features.size.pixels()];
+        Self {
+            picture: input.colour.clone(),
+            mse: nothing.clone(),
+            bandwidth: nothing.clone(),
+            rank: nothing,
+            kept: 0,
+            step_seconds: [0.0; STEPS.len()],
+        }
+    }
+
+    fn take(&mut self, y: usize, row: &Row) {
+        let width = self.picture.size().width;
+        let pixels = y * width..(y + 1) * width;
+        for (channel, values) in self.picture.channels_mut().iter_mut().zip(&row.colour) {
+            channel[pixels.clone()].copy_from_slice(values);
+        }
+        self.mse[pixels.clone()].copy_from_slice(&row.mse);
+        self.bandwidth[pixels.clone()].copy_from_slice(&row.bandwidth);
+        self.rank[pixels].copy_from_slice(&row.rank);
+        self.kept += row.kept;
+        for (sum, seconds) in self.step_seconds.iter_mut().zip(row.step_seconds) {
+            *sum += seconds;
+        }
+    }
+}
+
+/// Rebuilds every active pixel by a local linear regression on the features of its window (sections 3.1, 4.3, 4.4).
+/// Reports one unit per row as stage `regression`.
+///
+/// # Errors
+/// When `monitor` cancels.
+pub fn regress(
+    input: &RegressionInput,
+    settings: &RegressionSettings,
+    monitor: &dyn Monitor,
+) -> Result<Regression, Cancelled> {
+    let field = Field::new(input, settings.window.radius);
+    let processor = pulp::Arch::new();
+    monitor.begin("regression", field.size.height as u64);
+    let rows: Vec<Row> = (0..field.size.height)
+        .into_par_iter()
+        .map(|y| {
+            if monitor.cancelled() {
+                return Err(Cancelled);
+            }
+            let row = processor.dispatch(RowTask { input, field: &field, settings, y });
+            monitor.advance(1);
+            Ok(row)
+        })
+        .collect::<Result<_, _>>()?;
+    let mut regression = Regression::unchanged(input);
+    for (y, row) in rows.iter().enumerate() {
+        regression.take(y, row);
+    }
+    Ok(regression)
 }

@@ -1,0 +1,317 @@
+//! Robust principal component analysis of the features in a window (eq. 9), by the inexact augmented Lagrangian
+//! method of Lin et al. 2010.
+//!
+//! With X = D − E + Y/μ, the low-rank step is A = X·P, where P = Σ max(0, 1 − 1/(μσ_j)) v_j v_jᵀ comes from the
+//! eigenvectors of XᵀX alone, and the multiplier after it is Y/μ = X − A. So an iteration is one walk over the rows
+//! (multiply by a small matrix, clip, add to a Gram matrix) and one small eigenproblem; no singular vectors of the tall
+//! side and no Y are ever formed.
+
+use pulp::Simd;
+
+use super::lanes::{Lanes, Mask};
+use super::matrix::{add_gram, multiply};
+use super::symmetric_eigen::{Eigen, largest_eigenvalue};
+
+stack::knob_choice! {
+    /// Which of the two unknowns an iteration updates first.
+    pub enum Order {
+        /// The sparse part E, then the low-rank part A.
+        SparseFirst = "e-first",
+        /// The low-rank part A, then the sparse part E.
+        LowRankFirst = "a-first",
+    }
+}
+
+stack::knob_choice! {
+    /// Weight λ of the sparse part of an n × d matrix.
+    pub enum Lambda {
+        /// 1/√max(n, d).
+        LongestSide = "longest-side",
+        /// 3/√n.
+        ThreeOverRoot = "three-over-root",
+        /// 1/√d.
+        ShortestSide = "shortest-side",
+    }
+}
+
+/// What the multipliers' weight μ grows by in each iteration.
+const GROWTH: f32 = 1.5;
+/// Inverse of the first μ, in units of ‖D‖₂.
+const FIRST_THRESHOLD: f32 = 0.8;
+/// Rows worked on between two updates of the Gram matrix: few enough to stay in the nearest cache.
+const BLOCK: usize = 16;
+
+/// What [`RobustPca::decompose`] needs to know beside its matrix.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Schedule {
+    pub(crate) iterations: usize,
+    pub(crate) tolerance: f32,
+    pub(crate) order: Order,
+    pub(crate) lambda: Lambda,
+}
+
+/// A matrix D, its decomposition, and the room to find it in.
+#[derive(Debug)]
+pub(crate) struct RobustPca<S: Simd> {
+    simd: S,
+    width: usize,
+    /// D, in rows of `width` numbers, as many as a multiple of 4.
+    pub(crate) data: Vec<Lanes<S>>,
+    /// Singular values of A, in the order of `vectors`.
+    pub(crate) singular: Vec<Lanes<S>>,
+    /// Singular values of the X that A was shrunk from: positive for every direction D has.
+    pub(crate) strengths: Vec<Lanes<S>>,
+    /// Row j is right singular vector j.
+    pub(crate) vectors: Vec<Lanes<S>>,
+    /// ‖E‖₂.
+    pub(crate) error_norm: Lanes<S>,
+    target: Vec<Lanes<S>>,
+    sparse: Vec<Lanes<S>>,
+    low: Vec<Lanes<S>>,
+    gram: Vec<Lanes<S>>,
+    shrink: Vec<Lanes<S>>,
+    eigen: Eigen<S>,
+}
+
+impl<S: Simd> RobustPca<S> {
+    /// Room for matrices of up to `rows` × `width`.
+    pub(crate) fn with_capacity(simd: S, rows: usize, width: usize) -> Self {
+        let zeros = |n| vec![Lanes::splat(simd, 0.0); n];
+        Self {
+            simd,
+            width: 0,
+            data: Vec::with_capacity(rows.next_multiple_of(4) * width),
+            singular: zeros(width),
+            strengths: zeros(width),
+            vectors: zeros(width * width),
+            error_norm: Lanes::splat(simd, 0.0),
+            target: Vec::with_capacity(rows.next_multiple_of(4) * width),
+            sparse: Vec::with_capacity(rows.next_multiple_of(4) * width),
+            low: zeros(BLOCK * width),
+            gram: zeros(width * width),
+            shrink: zeros(width * width),
+            eigen: Eigen::with_capacity(simd, width),
+        }
+    }
+
+    /// Says what [`Self::data`] holds: rows of `width` numbers, of which the first `labels.len()` are the columns
+    /// `labels` of a matrix of `all` columns whose other columns are zero.
+    #[inline(always)]
+    fn begin(&mut self, width: usize, labels: &[usize], all: usize) {
+        self.width = width;
+        let zero = Lanes::splat(self.simd, 0.0);
+        self.singular.fill(zero);
+        self.strengths.fill(zero);
+        self.vectors.fill(zero);
+        self.eigen.start(width, labels, all);
+        self.clear_gram();
+        add_gram(self.simd, &mut self.gram[..width * width], &self.data, width);
+        self.eigen.solve(&self.gram[..width * width]);
+    }
+
+    /// The plain singular value decomposition of D, for comparison: A = D, and nothing is known about E.
+    #[inline(always)]
+    pub(crate) fn keep_all(&mut self, width: usize, labels: &[usize], all: usize) {
+        self.begin(width, labels, all);
+        let everywhere = Lanes::splat(self.simd, 0.0).equals(Lanes::splat(self.simd, 0.0));
+        self.record(Lanes::splat(self.simd, 0.0), everywhere);
+        self.error_norm = Lanes::splat(self.simd, 0.0);
+    }
+
+    /// Splits D, see [`Self::begin`], `rows` of whose rows are not padding.
+    ///
+    /// A lane that has converged is left as it is while others go on. When an iteration that updates E first stops
+    /// early, E is the one of half a step later.
+    #[inline(always)]
+    pub(crate) fn decompose(
+        &mut self,
+        width: usize,
+        labels: &[usize],
+        all: usize,
+        rows: Lanes<S>,
+        schedule: Schedule,
+    ) {
+        self.begin(width, labels, all);
+        let (spectral, frobenius) = self.norms_of_data();
+        let lambda = self.lambda(rows, all, schedule.lambda);
+        let mut threshold = spectral * FIRST_THRESHOLD;
+        self.set_first_target(spectral, lambda, threshold, schedule.order);
+
+        let mut running = Lanes::splat(self.simd, 0.0).less_than(spectral);
+        for iteration in 1..=schedule.iterations {
+            self.eigen.solve(&self.gram[..width * width]);
+            self.record(threshold, running);
+            if iteration == schedule.iterations && schedule.order == Order::SparseFirst {
+                break;
+            }
+            self.find_shrink(threshold);
+            let residual = self.update(schedule.order, lambda * threshold, running);
+            running = running.and((frobenius * schedule.tolerance).less_than(residual));
+            if !running.any() {
+                break;
+            }
+            threshold = threshold * (1.0 / GROWTH);
+        }
+        self.find_error_norm();
+    }
+
+    /// ‖D‖₂ and ‖D‖_F.
+    #[inline(always)]
+    fn norms_of_data(&self) -> (Lanes<S>, Lanes<S>) {
+        let (mut largest, mut sum) = (Lanes::splat(self.simd, 0.0), Lanes::splat(self.simd, 0.0));
+        for value in &self.eigen.values[..self.width] {
+            largest = largest.max(*value);
+            sum += *value;
+        }
+        (largest.sqrt(), sum.sqrt())
+    }
+
+    #[inline(always)]
+    fn lambda(&self, rows: Lanes<S>, columns: usize, lambda: Lambda) -> Lanes<S> {
+        let columns = Lanes::splat(self.simd, columns as f32);
+        let rows = rows.max(Lanes::splat(self.simd, 1.0));
+        match lambda {
+            Lambda::LongestSide => Lanes::splat(self.simd, 1.0) / rows.max(columns).sqrt(),
+            Lambda::ThreeOverRoot => Lanes::splat(self.simd, 3.0) / rows.sqrt(),
+            Lambda::ShortestSide => Lanes::splat(self.simd, 1.0) / columns.sqrt(),
+        }
+    }
+
+    /// X and E before the first low-rank step, and the Gram matrix of X. Y₀ = D/max(‖D‖₂, ‖D‖∞/λ), A₀ = E₀ = 0, so
+    /// D + Y₀/μ₀ = c·D.
+    #[inline(always)]
+    fn set_first_target(&mut self, spectral: Lanes<S>, lambda: Lanes<S>, threshold: Lanes<S>, order: Order) {
+        let zero = Lanes::splat(self.simd, 0.0);
+        let mut largest = zero;
+        for value in &self.data {
+            largest = largest.max(value.abs());
+        }
+        let c = threshold * spectral.max(largest / lambda).reciprocal_or_zero() + 1.0;
+        self.target.clear();
+        self.sparse.clear();
+        for value in &self.data {
+            let scaled = *value * c;
+            let kept = if order == Order::SparseFirst { scaled.clip(lambda * threshold) } else { scaled };
+            self.target.push(kept);
+            self.sparse.push(scaled - kept);
+        }
+        self.clear_gram();
+        add_gram(self.simd, &mut self.gram[..self.width * self.width], &self.target, self.width);
+    }
+
+    #[inline(always)]
+    fn clear_gram(&mut self) {
+        self.gram[..self.width * self.width].fill(Lanes::splat(self.simd, 0.0));
+    }
+
+    /// Notes the singular values and vectors of the present A in the lanes that still run.
+    #[inline(always)]
+    fn record(&mut self, threshold: Lanes<S>, running: Mask<S>) {
+        for j in 0..self.width {
+            let strength = self.eigen.values[j].sqrt();
+            self.strengths[j] = running.select(strength, self.strengths[j]);
+            self.singular[j] = running.select((strength - threshold).positive_part(), self.singular[j]);
+        }
+        for (kept, found) in self.vectors[..self.width * self.width].iter_mut().zip(&self.eigen.vectors) {
+            *kept = running.select(*found, *kept);
+        }
+    }
+
+    /// P = Σ max(0, 1 − threshold/σ_j) v_j v_jᵀ.
+    #[inline(always)]
+    fn find_shrink(&mut self, threshold: Lanes<S>) {
+        let (n, zero) = (self.width, Lanes::splat(self.simd, 0.0));
+        self.shrink[..n * n].fill(zero);
+        for j in 0..n {
+            let strength = self.eigen.values[j].sqrt();
+            let factor = (strength - threshold).positive_part() * strength.reciprocal_or_zero();
+            if !zero.less_than(factor).any() {
+                continue;
+            }
+            let vector = &self.eigen.vectors[j * n..][..n];
+            for i in 0..n {
+                let weighted = vector[i] * factor;
+                for (to, other) in self.shrink[i * n..][..n].iter_mut().zip(vector) {
+                    *to += weighted * *other;
+                }
+            }
+        }
+    }
+
+    /// The walk over the rows: A from X, then E, then the next X and its Gram matrix. `limit` is λ/μ. Returns
+    /// ‖D − A − E‖_F.
+    #[inline(always)]
+    fn update(&mut self, order: Order, limit: Lanes<S>, running: Mask<S>) -> Lanes<S> {
+        let (width, simd) = (self.width, self.simd);
+        let mut residual = Lanes::splat(simd, 0.0);
+        self.gram[..width * width].fill(residual);
+        let shrink = &self.shrink[..width * width];
+        let blocks = self.data.chunks(BLOCK * width).zip(self.target.chunks_mut(BLOCK * width));
+        for ((data, target), sparse) in blocks.zip(self.sparse.chunks_mut(BLOCK * width)) {
+            let low = &mut self.low[..data.len()];
+            multiply(simd, low, target, width, shrink, width);
+            residual += match order {
+                Order::SparseFirst => sparse_first(simd, data, low, target, sparse, limit * (1.0 / GROWTH), running),
+                Order::LowRankFirst => low_rank_first(simd, data, low, target, sparse, limit, running),
+            };
+            add_gram(simd, &mut self.gram[..width * width], target, width);
+        }
+        residual.sqrt()
+    }
+
+    #[inline(always)]
+    fn find_error_norm(&mut self) {
+        let n = self.width;
+        self.clear_gram();
+        add_gram(self.simd, &mut self.gram[..n * n], &self.sparse, n);
+        self.error_norm = largest_eigenvalue(self.simd, &self.gram[..n * n], n, &mut self.low).positive_part().sqrt();
+    }
+}
+
+/// After A: Y/μ = X − A with the grown μ, E = S(D − A + Y/μ), X = D − E + Y/μ. Returns Σ (D − A − E)² with the E that
+/// A was computed from.
+#[inline(always)]
+fn sparse_first<S: Simd>(
+    simd: S,
+    data: &[Lanes<S>],
+    low: &[Lanes<S>],
+    target: &mut [Lanes<S>],
+    sparse: &mut [Lanes<S>],
+    limit: Lanes<S>,
+    running: Mask<S>,
+) -> Lanes<S> {
+    let mut residual = Lanes::splat(simd, 0.0);
+    for (((d, a), x), e) in data.iter().zip(low).zip(target).zip(sparse) {
+        let rest = *d - *a;
+        residual += (rest - *e).squared();
+        let open = rest + (*x - *a) * (1.0 / GROWTH);
+        let clipped = open.clip(limit);
+        *e = running.select(open - clipped, *e);
+        *x = *a + clipped;
+    }
+    residual
+}
+
+/// After A: E = S(D − A + Y/μ), then Y/μ = D − A + Y/μ − E, and with the grown μ X = D − E + Y/μ. Returns
+/// Σ (D − A − E)².
+#[inline(always)]
+fn low_rank_first<S: Simd>(
+    simd: S,
+    data: &[Lanes<S>],
+    low: &[Lanes<S>],
+    target: &mut [Lanes<S>],
+    sparse: &mut [Lanes<S>],
+    limit: Lanes<S>,
+    running: Mask<S>,
+) -> Lanes<S> {
+    let mut residual = Lanes::splat(simd, 0.0);
+    for (((d, a), x), e) in data.iter().zip(low).zip(target).zip(sparse) {
+        let open = *x - *a + *e;
+        let clipped = open.clip(limit);
+        let shrunk = open - clipped;
+        residual += (*d - *a - shrunk).squared();
+        *e = running.select(shrunk, *e);
+        *x = *d - shrunk + clipped * (1.0 / GROWTH);
+    }
+    residual
+}

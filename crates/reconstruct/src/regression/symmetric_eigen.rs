@@ -1,0 +1,214 @@
+//! Eigenvalues and eigenvectors of small symmetric matrices, by Jacobi rotations (Golub and Van Loan, *Matrix
+//! Computations*, section 8.5).
+
+use pulp::Simd;
+
+use super::lanes::Lanes;
+
+/// An off-diagonal entry is left alone when it is at most this times the trace: a few roundings of the Gram matrix.
+const NEGLIGIBLE: f32 = 4e-7;
+/// Bound on sweeps; from scratch 10 × 10 matrices take four or five, from neighbouring eigenvectors one or two.
+const MOST_SWEEPS: usize = 8;
+
+/// Eigenvalues and eigenvectors, and the room to find them in.
+#[derive(Debug)]
+pub(crate) struct Eigen<S: Simd> {
+    simd: S,
+    size: usize,
+    /// Eigenvalues, in no particular order.
+    pub(crate) values: Vec<Lanes<S>>,
+    /// Row j is the unit eigenvector of value j.
+    pub(crate) vectors: Vec<Lanes<S>>,
+    rotated: Vec<Lanes<S>>,
+    half: Vec<Lanes<S>>,
+    order: Vec<(usize, usize)>,
+}
+
+impl<S: Simd> Eigen<S> {
+    /// Room for matrices up to `most` × `most`.
+    pub(crate) fn with_capacity(simd: S, most: usize) -> Self {
+        let zeros = |n| vec![Lanes::splat(simd, 0.0); n];
+        let order = Vec::with_capacity(most * most);
+        let (values, vectors) = (zeros(most), zeros(most * most));
+        Self { simd, size: 0, values, vectors, rotated: zeros(most * most), half: zeros(most * most), order }
+    }
+
+    /// Starts a series of similar matrices of `size` rows, the first of which is close to nothing known.
+    ///
+    /// `labels` names the rows among `all`; pairs are rotated in an order that depends on the labels only, so a row of
+    /// zeros may be left out without changing a byte of the others.
+    #[inline(always)]
+    pub(crate) fn start(&mut self, size: usize, labels: &[usize], all: usize) {
+        self.size = size;
+        for i in 0..size {
+            for j in 0..size {
+                self.vectors[i * size + j] = Lanes::splat(self.simd, if i == j { 1.0 } else { 0.0 });
+            }
+        }
+        // Pairs of equal sum are disjoint: their rotations do not wait for one another.
+        self.order.clear();
+        for sum in 0..all {
+            for (p, a) in labels.iter().enumerate() {
+                for (q, b) in labels.iter().enumerate().skip(p + 1) {
+                    if (a + b) % all == sum {
+                        self.order.push((p, q));
+                    }
+                }
+            }
+        }
+    }
+
+    /// Solves for `matrix` (upper triangle), starting from the eigenvectors found last.
+    #[inline(always)]
+    pub(crate) fn solve(&mut self, matrix: &[Lanes<S>]) {
+        self.rotate_into_last_basis(matrix);
+        let size = self.size;
+        let mut trace = Lanes::splat(self.simd, 0.0);
+        for i in 0..size {
+            trace += self.rotated[i * size + i];
+        }
+        for _ in 0..MOST_SWEEPS {
+            if !self.sweep(trace * NEGLIGIBLE) {
+                break;
+            }
+        }
+        for i in 0..size {
+            self.values[i] = self.rotated[i * size + i].positive_part();
+        }
+    }
+
+    /// The upper triangle of V M Vᵀ, V's rows being the last eigenvectors.
+    #[inline(always)]
+    fn rotate_into_last_basis(&mut self, matrix: &[Lanes<S>]) {
+        let size = self.size;
+        for i in 0..size {
+            for c in 0..size {
+                let mut sum = Lanes::splat(self.simd, 0.0);
+                for r in 0..size {
+                    sum += self.vectors[i * size + r] * matrix[r.min(c) * size + r.max(c)];
+                }
+                self.half[i * size + c] = sum;
+            }
+        }
+        for i in 0..size {
+            for j in i..size {
+                let mut sum = Lanes::splat(self.simd, 0.0);
+                for c in 0..size {
+                    sum += self.half[i * size + c] * self.vectors[j * size + c];
+                }
+                self.rotated[i * size + j] = sum;
+            }
+        }
+    }
+
+    /// Rotates every pair whose entry is larger than `negligible`; says whether there was one.
+    #[inline(always)]
+    fn sweep(&mut self, negligible: Lanes<S>) -> bool {
+        let mut any = false;
+        for index in 0..self.order.len() {
+            let (p, q) = self.order[index];
+            let needed = negligible.less_than(self.rotated[p * self.size + q].abs());
+            if needed.any() {
+                any = true;
+                let entry = needed.select(self.rotated[p * self.size + q], Lanes::splat(self.simd, 0.0));
+                self.rotate(p, q, entry);
+            }
+        }
+        any
+    }
+
+    /// Rotates rows and columns p and q so that their common `entry` vanishes (an entry of 0 rotates nothing).
+    #[inline(always)]
+    fn rotate(&mut self, p: usize, q: usize, entry: Lanes<S>) {
+        let n = self.size;
+        let gap = self.rotated[q * n + q] - self.rotated[p * n + p];
+        let tangent = tangent_of_rotation(self.simd, gap, entry);
+        let cosine = Lanes::splat(self.simd, 1.0) / (tangent.squared() + 1.0).sqrt();
+        let turn = Rotation { cosine, sine: tangent * cosine };
+        self.rotated[p * n + p] = self.rotated[p * n + p] - tangent * entry;
+        self.rotated[q * n + q] += tangent * entry;
+        self.rotated[p * n + q] = self.rotated[p * n + q] - entry;
+        for r in 0..p {
+            turn.apply(&mut self.rotated, r * n + p, r * n + q);
+        }
+        for r in p + 1..q {
+            turn.apply(&mut self.rotated, p * n + r, r * n + q);
+        }
+        for r in q + 1..n {
+            turn.apply(&mut self.rotated, p * n + r, q * n + r);
+        }
+        for r in 0..n {
+            turn.apply(&mut self.vectors, p * n + r, q * n + r);
+        }
+    }
+}
+
+/// The smaller of the two angles that diagonalise a 2 × 2 block, as a tangent; 0 where the `entry` is 0.
+#[inline(always)]
+fn tangent_of_rotation<S: Simd>(simd: S, gap: Lanes<S>, entry: Lanes<S>) -> Lanes<S> {
+    let zero = Lanes::splat(simd, 0.0);
+    let twice = entry + entry;
+    let root = (gap.squared() + twice.squared()).sqrt();
+    let signed = gap.less_than(zero).select(zero - twice, twice);
+    root.equals(zero).select(zero, signed / (gap.abs() + root).max(Lanes::splat(simd, f32::MIN_POSITIVE)))
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Rotation<S: Simd> {
+    cosine: Lanes<S>,
+    sine: Lanes<S>,
+}
+
+impl<S: Simd> Rotation<S> {
+    #[inline(always)]
+    fn apply(self, values: &mut [Lanes<S>], i: usize, j: usize) {
+        let (a, b) = (values[i], values[j]);
+        values[i] = self.cosine * a - self.sine * b;
+        values[j] = self.sine * a + self.cosine * b;
+    }
+}
+
+/// The largest eigenvalue of a positive semi-definite `matrix` (upper triangle, `size` rows, a multiple of 2), by power
+/// iteration from the column with the largest diagonal entry. Never too large; too small by a few percent at most,
+/// when the next eigenvalue is that close.
+#[inline(always)]
+pub(crate) fn largest_eigenvalue<S: Simd>(
+    simd: S,
+    matrix: &[Lanes<S>],
+    size: usize,
+    room: &mut [Lanes<S>],
+) -> Lanes<S> {
+    const STEPS: usize = 16;
+    let zero = Lanes::splat(simd, 0.0);
+    let entry = |i: usize, j: usize| matrix[i.min(j) * size + i.max(j)];
+    let (vector, image) = room[..2 * size].split_at_mut(size);
+    let mut largest = zero;
+    for j in 0..size {
+        let better = largest.less_than(entry(j, j));
+        largest = better.select(entry(j, j), largest);
+        for i in 0..size {
+            vector[i] = better.select(entry(i, j), if j == 0 { zero } else { vector[i] });
+        }
+    }
+    let mut value = zero;
+    for _ in 0..STEPS {
+        let mut norm = zero;
+        for i in 0..size {
+            norm += vector[i].squared();
+        }
+        let scale = norm.sqrt().reciprocal_or_zero();
+        for i in 0..size {
+            vector[i] = vector[i] * scale;
+        }
+        value = zero;
+        for i in 0..size {
+            image[i] = zero;
+            for j in 0..size {
+                image[i] += entry(i, j) * vector[j];
+            }
+            value += image[i] * vector[i];
+        }
+        vector.copy_from_slice(image);
+    }
+    value
+}
