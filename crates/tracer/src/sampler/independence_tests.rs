@@ -33,7 +33,7 @@ fn five_bounces(stream: &Stream) -> f32 {
 }
 
 /// One "pixel" per seed, as the film would hold them.
-fn render(integrand: fn(&Stream) -> f32, sequences: u32) -> (Estimate, SampleCounts) {
+fn render(integrand: Integrand, sequences: u32) -> (Estimate, SampleCounts) {
     let mut buckets = vec![vec![0.0_f32; SEEDS]; BUCKETS as usize];
     for seed in 0..SEEDS {
         for index in 0..SPP {
@@ -70,8 +70,9 @@ fn claimed_variance(estimate: &Estimate, counts: &SampleCounts) -> f64 {
     claimed / covariance(mean, mean)
 }
 
-const INTEGRANDS: [(&str, fn(&Stream) -> f32); 3] =
-    [("gradient", gradient), ("edge", edge), ("five bounces", five_bounces)];
+type Integrand = fn(&Stream) -> f32;
+
+const INTEGRANDS: [(&str, Integrand); 3] = [("gradient", gradient), ("edge", edge), ("five bounces", five_bounces)];
 
 #[test]
 fn eight_sequences_make_independent_buckets() {
