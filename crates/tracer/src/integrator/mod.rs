@@ -1,1 +1,5 @@
-//! Placeholder.
+//! The path tracer.
+
+mod settings;
+
+pub use settings::{DirectLight, FeatureHit, TraceSettings};
