@@ -4,7 +4,7 @@ use glam::Vec3;
 
 /// An orthonormal frame around a normal.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Frame {
+pub(crate) struct Frame {
     tangent: Vec3,
     bitangent: Vec3,
     normal: Vec3,
@@ -13,7 +13,7 @@ pub(super) struct Frame {
 impl Frame {
     /// A frame whose +z is the unit vector `normal` (Duff et al. 2017, *Building an Orthonormal Basis, Revisited*).
     #[inline]
-    pub(super) fn new(normal: Vec3) -> Self {
+    pub(crate) fn new(normal: Vec3) -> Self {
         let sign = 1.0_f32.copysign(normal.z);
         let a = -1.0 / (sign + normal.z);
         let b = normal.x * normal.y * a;
@@ -26,13 +26,13 @@ impl Frame {
 
     /// The world vector `v` in this frame.
     #[inline]
-    pub(super) fn to_local(self, v: Vec3) -> Vec3 {
+    pub(crate) fn to_local(self, v: Vec3) -> Vec3 {
         Vec3::new(v.dot(self.tangent), v.dot(self.bitangent), v.dot(self.normal))
     }
 
     /// The vector `v` of this frame in the world.
     #[inline]
-    pub(super) fn to_world(self, v: Vec3) -> Vec3 {
+    pub(crate) fn to_world(self, v: Vec3) -> Vec3 {
         v.x * self.tangent + v.y * self.bitangent + v.z * self.normal
     }
 }

@@ -28,6 +28,7 @@ mod sampling_tests;
 pub use coated::Coated;
 pub use conductor::Conductor;
 pub use diffuse::Diffuse;
+pub(crate) use frame::Frame;
 pub use glass::Glass;
 pub use lobe::{Lobe, Scattered};
 pub use mirror::Mirror;
