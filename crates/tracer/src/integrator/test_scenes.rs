@@ -60,9 +60,12 @@ impl Pieces {
                 triangles.push([index(r, c), index(r, c + 1), index(r + 1, c + 1)]);
             }
         }
-        // The poles' triangles that have shrunk to a line.
-        triangles.retain(|t| t[0] / COLUMNS != t[1] / COLUMNS || (t[0] / COLUMNS) % ROWS != 0);
-        triangles.retain(|t| t[1] / COLUMNS != t[2] / COLUMNS || t[1] / COLUMNS != ROWS);
+        // At the poles, half of them have shrunk to a line.
+        let is_line = |t: &[u32; 3]| {
+            let rows = t.map(|i| i / COLUMNS);
+            (rows[0] == 0 && rows[1] == 0) || (rows[1] == ROWS && rows[2] == ROWS)
+        };
+        triangles.retain(|t| !is_line(t));
         if radius < 0.0 {
             triangles.iter_mut().for_each(|t| t.swap(1, 2));
         }
