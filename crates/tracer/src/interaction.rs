@@ -22,7 +22,7 @@ pub struct Interaction<'a> {
     pub outgoing: Vec3,
     /// Distance along the ray.
     pub distance: f32,
-    /// Moment of the shutter, 0 … 1.
+    /// Moment within the frame, 0 … 1.
     pub time: f32,
     /// Index of the triangle among the scene's emitters, when it emits.
     pub emitter: Option<u32>,
@@ -33,14 +33,44 @@ pub struct Interaction<'a> {
 impl Interaction<'_> {
     /// A ray that leaves this point in the unit direction `direction`, moved off the surface by no more than the
     /// rounding error demands.
+    #[inline]
     pub fn spawn(&self, direction: Vec3) -> Ray {
-        let _ = direction;
-        todo!("scene helper")
+        let origin = offset_origin(self.position, self.position_error, self.geometric_normal, direction);
+        Ray { origin, direction, t_max: f32::INFINITY, time: self.time }
     }
 
     /// A ray from here that ends just before `target`, for visibility; `target_error` as `position_error`.
+    ///
+    /// The error of the segment itself (its direction and length are rounded) is added to the target's, so that the
+    /// surface round the target does not hide it at any angle. When both points coincide, `t_max` is zero.
     pub fn spawn_to(&self, target: Vec3, target_normal: Vec3, target_error: Vec3) -> Ray {
-        let _ = (target, target_normal, target_error);
-        todo!("scene helper")
+        let origin = offset_origin(self.position, self.position_error, self.geometric_normal, target - self.position);
+        let reach = (target - origin).abs().max_element() + target.abs().max_element();
+        let error = 2.0 * target_error + Vec3::splat(SEGMENT_STEPS * 0.5 * f32::EPSILON * reach);
+        let span = offset_origin(target, error, target_normal, origin - target) - origin;
+        let distance = span.length();
+        let direction = if distance > 0.0 { span / distance } else { target_normal };
+        Ray { origin, direction, t_max: distance, time: self.time }
     }
+}
+
+/// Rounded operations behind direction and length of a segment between two points, with those of the triangle test.
+const SEGMENT_STEPS: f32 = 16.0;
+
+/// `point` moved along `normal` to the side `direction` points to, out of its box of rounding errors (pbrt-v4,
+/// section 6.8.6, `OffsetRayOrigin`).
+#[inline]
+fn offset_origin(point: Vec3, error: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {
+    let distance = normal.abs().dot(error);
+    let offset = if direction.dot(normal) < 0.0 { -distance * normal } else { distance * normal };
+    let moved = point + offset;
+    Vec3::from_array(std::array::from_fn(|axis| {
+        if offset[axis] > 0.0 {
+            moved[axis].next_up()
+        } else if offset[axis] < 0.0 {
+            moved[axis].next_down()
+        } else {
+            moved[axis]
+        }
+    }))
 }

@@ -11,7 +11,7 @@ pub struct Ray {
     pub direction: Vec3,
     /// Hits at or beyond this distance do not count; infinite for a camera ray.
     pub t_max: f32,
-    /// Moment, 0 (shutter opens) … 1 (shutter closes).
+    /// Moment within the frame, 0 … 1; the camera's shutter is open for a part of it or all.
     pub time: f32,
 }
 

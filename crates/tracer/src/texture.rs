@@ -15,8 +15,59 @@ pub struct Texture {
 
 impl Texture {
     /// Colour at texture coordinates `uv` (origin at the image's bottom left, as OBJ has it).
+    ///
+    /// Texel centres lie at half-integers. Coordinates that are not finite give the first texel.
     pub fn lookup(&self, uv: Vec2) -> Vec3 {
-        let _ = uv;
-        todo!("scene helper")
+        let (x0, x1, fx) = neighbours(uv.x, self.width);
+        let (y0, y1, fy) = neighbours(1.0 - uv.y, self.height);
+        let texel = |x: usize, y: usize| Vec3::from_array(self.texels[y * self.width + x]);
+        let top = texel(x0, y0).lerp(texel(x1, y0), fx);
+        let bottom = texel(x0, y1).lerp(texel(x1, y1), fx);
+        top.lerp(bottom, fy)
+    }
+}
+
+/// The two texels round coordinate `c` (1 is the whole image) in a row of `count`, and the weight of the second.
+fn neighbours(c: f32, count: usize) -> (usize, usize, f32) {
+    let position = (c - c.floor()) * count as f32 - 0.5;
+    if !position.is_finite() {
+        return (0, 0, 0.0);
+    }
+    let below = position.floor();
+    // The fraction is below 1 but its product may round up to `count`.
+    let first = (below as isize).rem_euclid(count as isize) as usize;
+    (first, (first + 1) % count, position - below)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn checker() -> Texture {
+        Texture { width: 2, height: 2, texels: vec![[1.0, 0.0, 0.0], [0.0; 3], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] }
+    }
+
+    #[test]
+    fn texel_centres_give_texels_with_the_first_row_on_top() {
+        let t = checker();
+        assert_eq!(t.lookup(Vec2::new(0.25, 0.75)), Vec3::X);
+        assert_eq!(t.lookup(Vec2::new(0.25, 0.25)), Vec3::Y);
+        assert_eq!(t.lookup(Vec2::new(0.75, 0.25)), Vec3::Z);
+    }
+
+    #[test]
+    fn the_image_repeats_and_blends_across_its_border() {
+        let t = checker();
+        assert_eq!(t.lookup(Vec2::new(-2.75, 5.75)), t.lookup(Vec2::new(0.25, 0.75)));
+        assert_eq!(t.lookup(Vec2::new(0.0, 0.75)), Vec3::new(0.5, 0.0, 0.0));
+        assert_eq!(t.lookup(Vec2::new(0.0, 0.0)), Vec3::new(0.25, 0.25, 0.25));
+    }
+
+    #[test]
+    fn coordinates_that_are_not_finite_or_just_below_a_whole_number_stay_inside() {
+        let t = checker();
+        for c in [f32::NAN, f32::INFINITY, -f32::MIN_POSITIVE, 1.0f32.next_down(), 1e30] {
+            assert!(t.lookup(Vec2::new(c, c)).is_finite());
+        }
     }
 }

@@ -1,1 +1,123 @@
-//! Placeholder.
+//! Where light comes from: triangles that emit, and a constant sky.
+//!
+//! A light is chosen in proportion to its power, so its share of the samples does not depend on where they are needed.
+
+mod alias_table;
+mod sky;
+mod triangle;
+
+use std::f32::consts::PI;
+
+use alias_table::AliasTable;
+use glam::{Vec2, Vec3};
+use sky::Sky;
+
+use crate::Ray;
+use crate::interaction::Interaction;
+use crate::scene::Scene;
+
+/// The sky is found by following surfaces, wherever it is seen at all; lamps are not. So the sky takes no more than
+/// this share of the light samples when there are lamps.
+const LARGEST_SKY_SHARE: f64 = 0.5;
+
+/// Light that may arrive at a point.
+#[derive(Clone, Copy, Debug)]
+pub struct LightSample {
+    /// Unit direction it comes from.
+    pub direction: Vec3,
+    /// Its radiance, if nothing is in the way.
+    pub radiance: Vec3,
+    /// Density of `direction` per solid angle, the choice of the light included; above 0.
+    pub pdf: f32,
+    /// What must not be occluded.
+    pub shadow_ray: Ray,
+}
+
+/// All lights of a scene, ready to be sampled.
+#[derive(Debug)]
+pub struct Lights<'a> {
+    scene: &'a Scene,
+    triangles: AliasTable,
+    sky: Option<Sky>,
+    /// Of 2³² choices, those that take the sky.
+    sky_choices: u64,
+}
+
+impl<'a> Lights<'a> {
+    /// The lights of `scene`. A triangle's power is π A L; the sky's is what falls on a sphere round the scene from
+    /// outside, 4π² r² L.
+    pub fn new(scene: &'a Scene) -> Self {
+        let power = |e: &crate::scene::EmissiveTriangle| f64::from(PI * e.area) * mean(e.radiance);
+        let triangles = AliasTable::new(&scene.emitters.iter().map(power).collect::<Vec<_>>());
+        let sky = scene.environment.map(|radiance| Sky { radiance });
+        let radius = f64::from(scene.bounds().max.distance(scene.bounds().min)) / 2.0;
+        let sky_power = scene.environment.map_or(0.0, |l| 4.0 * f64::from(PI * PI) * radius * radius * mean(l));
+        let share = match (sky_power > 0.0, triangles.total() > 0.0) {
+            (false, _) => 0.0,
+            (true, false) => 1.0,
+            (true, true) => (sky_power / (sky_power + triangles.total())).min(LARGEST_SKY_SHARE),
+        };
+        Self { scene, triangles, sky, sky_choices: (share * CHOICES as f64) as u64 }
+    }
+
+    /// Chooses a light by the whole number `choice` (uniform over 2³²) and a point on it by `u` in [0, 1)², for the
+    /// surface at `from` whose normal on the viewer's side is `normal`. `None` when no light comes from there: there
+    /// is no light, or it shines away.
+    pub fn sample_light(&self, from: &Interaction, normal: Vec3, choice: u32, u: Vec2) -> Option<LightSample> {
+        let choice = u64::from(choice);
+        if choice < self.sky_choices {
+            return self.sky?.sample(from, normal, u).map(|sample| scaled(sample, self.sky_share()));
+        }
+        let rest = CHOICES - self.sky_choices;
+        let index = self.triangles.sample_index(((choice - self.sky_choices) * CHOICES / rest) as u32)?;
+        let sample = triangle::sample(&self.scene.emitters[index], from, u)?;
+        Some(scaled(sample, self.triangle_share(index)))
+    }
+
+    /// Density per solid angle with which [`sample_light`](Self::sample_light) looks from anywhere to the point of
+    /// emitter `emitter` that `seen` is, at the end of a ray from there. 0 behind it.
+    pub fn light_pdf(&self, emitter: u32, seen: &Interaction) -> f32 {
+        let index = emitter as usize;
+        self.triangle_share(index) * triangle::pdf(&self.scene.emitters[index], seen)
+    }
+
+    /// Density per solid angle with which it looks from a surface with `normal` into the sky at `direction`.
+    pub fn sky_pdf(&self, normal: Vec3, direction: Vec3) -> f32 {
+        self.sky_share() * self.sky.map_or(0.0, |sky| sky.pdf(normal, direction))
+    }
+
+    /// Radiance that emitter `emitter` sends back along the ray that ended at `seen`; it emits on one side only.
+    pub fn emitted(&self, emitter: u32, seen: &Interaction) -> Vec3 {
+        let triangle = &self.scene.emitters[emitter as usize];
+        if triangle.normal.dot(seen.outgoing) > 0.0 { triangle.radiance } else { Vec3::ZERO }
+    }
+
+    /// Radiance of the sky.
+    pub fn sky_radiance(&self) -> Vec3 {
+        self.sky.map_or(Vec3::ZERO, |sky| sky.radiance)
+    }
+
+    fn sky_share(&self) -> f32 {
+        (self.sky_choices as f64 / CHOICES as f64) as f32
+    }
+
+    fn triangle_share(&self, index: usize) -> f32 {
+        (1.0 - self.sky_share()) * self.triangles.probability(index)
+    }
+}
+
+/// How many different whole numbers a choice can be.
+const CHOICES: u64 = 1 << 32;
+
+/// Mean of the channels; 0 for a radiance nobody could mean.
+fn mean(radiance: Vec3) -> f64 {
+    let mean = f64::from(radiance.element_sum()) / 3.0;
+    if mean.is_finite() && mean > 0.0 { mean } else { 0.0 }
+}
+
+fn scaled(sample: LightSample, share: f32) -> LightSample {
+    LightSample { pdf: share * sample.pdf, ..sample }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,1 +1,80 @@
-//! Placeholder.
+//! What is rendered: meshes, materials, emitters, sky; and how files become one.
+
+mod closest;
+mod emitters;
+mod error;
+mod instance;
+mod mesh;
+mod surface;
+
+use glam::Vec3;
+
+pub use crate::bvh::{Bounds, Placement};
+pub use emitters::EmissiveTriangle;
+pub use error::SceneError;
+pub use instance::Instance;
+pub use mesh::{Dropped, Mesh};
+
+use crate::material::Material;
+use instance::{InstanceTree, Placed};
+use mesh::IndexedMesh;
+
+/// A scene ready for rays.
+#[derive(Debug)]
+pub struct Scene {
+    /// Materials, indexed by the meshes.
+    pub materials: Vec<Material>,
+    /// Every triangle that emits, in scene space.
+    pub emitters: Vec<EmissiveTriangle>,
+    /// Radiance of a constant sky, if there is one.
+    pub environment: Option<Vec3>,
+    meshes: Vec<IndexedMesh>,
+    placed: Vec<Placed>,
+    /// Tree over `placed`, when there is more than one.
+    tree: Option<InstanceTree>,
+    bounds: Bounds,
+    dropped: Dropped,
+}
+
+impl Scene {
+    /// Builds a scene. Meshes that stand in it once are merged into one in scene space; those that stand in it several
+    /// times are kept once, under a tree of instances. Triangles that are degenerate or not finite are dropped and
+    /// counted ([`dropped`](Self::dropped)).
+    ///
+    /// # Errors
+    /// When an index is out of range or nothing is left to see.
+    pub fn new(
+        meshes: Vec<Mesh>,
+        instances: Vec<Instance>,
+        materials: Vec<Material>,
+        environment: Option<Vec3>,
+    ) -> Result<Self, SceneError> {
+        mesh::check(&meshes, &instances, materials.len())?;
+        let mut dropped = Dropped::default();
+        let (meshes, stands) = instance::merge_single(meshes, &instances);
+        let meshes: Vec<_> = meshes.into_iter().map(|mesh| IndexedMesh::build(mesh, &mut dropped)).collect();
+        let (placed, emitters) = instance::place(&meshes, &stands, &materials);
+        let bounds = placed.iter().map(|p| p.bounds).reduce(Bounds::union);
+        let bounds = bounds.ok_or(SceneError::Empty { dropped })?;
+        let tree = InstanceTree::build(&placed);
+        Ok(Self { materials, emitters, environment, meshes, placed, tree, bounds, dropped })
+    }
+
+    /// The box round everything.
+    pub fn bounds(&self) -> Bounds {
+        self.bounds
+    }
+
+    /// How many triangles there are, counting those of every instance.
+    pub fn triangles(&self) -> usize {
+        self.placed.iter().map(|p| self.meshes[p.mesh].mesh.triangles.len()).sum()
+    }
+
+    /// Triangles that were dropped because no ray could hit them.
+    pub fn dropped(&self) -> Dropped {
+        self.dropped
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,154 @@
+//! How much a rough coat reflects in all: its directional albedo, tabulated on first use.
+//!
+//! With Schlick's Fresnel the albedo is linear in the reflectance F₀ at normal incidence: E = F₀ A + (1 − F₀) B, where
+//! A is the albedo of a perfect reflector and B weighs it with (1 − cos)⁵ (Karis 2013, the split sum). A and B depend
+//! on angle and roughness alone. The table is right to 0.002, of coats smoother than 0.02 to 0.01 near the horizon.
+
+use std::sync::LazyLock;
+
+use glam::{Vec2, Vec3};
+
+use super::fresnel::schlick_weight;
+use super::ggx::{Ggx, Reflection};
+
+/// Tabulated cosines, at the fourth powers of 0 … 1: albedo bends most near the horizon.
+const COSINES: usize = 48;
+/// Tabulated roughnesses, at the cubes of 0 … 1.
+const ROUGHNESSES: usize = 48;
+/// Samples per side of the square that an entry is integrated over.
+const SAMPLES: usize = 24;
+
+/// A and B.
+type Split = Vec2;
+/// A and B at the tabulated cosines, and at the end of the row their mean over the hemisphere.
+type Row = [Split; COSINES + 1];
+
+static TABLE: LazyLock<Vec<Row>> =
+    LazyLock::new(|| (0..ROUGHNESSES).map(|i| tabulate(place(i, ROUGHNESSES).powi(3).max(1e-4))).collect());
+
+/// The albedo of a coat of one roughness.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CoatAlbedo {
+    row: usize,
+    /// Share of the next row.
+    blend: f32,
+}
+
+/// The albedo of a coat with GGX roughness `alpha`, 0 … 1.
+pub(super) fn at_roughness(alpha: f32) -> CoatAlbedo {
+    let (row, blend) = locate(alpha.cbrt(), ROUGHNESSES);
+    CoatAlbedo { row, blend }
+}
+
+impl CoatAlbedo {
+    /// Share of light reflected into all directions together, seen with cosine `cosine`, of a coat that reflects
+    /// `specular` at normal incidence.
+    #[inline]
+    pub(super) fn directional(&self, specular: Vec3, cosine: f32) -> Vec3 {
+        let (column, blend) = locate(cosine.sqrt().sqrt(), COSINES);
+        self.blended(specular, |row| row[column].lerp(row[column + 1], blend))
+    }
+
+    /// Its mean over all directions, each weighted with its cosine.
+    #[inline]
+    pub(super) fn mean(&self, specular: Vec3) -> Vec3 {
+        self.blended(specular, |row| row[COSINES])
+    }
+
+    #[inline]
+    fn blended(&self, specular: Vec3, entry: impl Fn(&Row) -> Split) -> Vec3 {
+        let table = &*TABLE;
+        let split = entry(&table[self.row]).lerp(entry(&table[self.row + 1]), self.blend);
+        specular * split.x + (Vec3::ONE - specular) * split.y
+    }
+}
+
+/// The `i`-th of `n` even places of 0 … 1.
+fn place(i: usize, n: usize) -> f32 {
+    i as f32 / (n - 1) as f32
+}
+
+/// The place before `x` among `n` even ones, and the share of the one after it.
+#[inline]
+fn locate(x: f32, n: usize) -> (usize, f32) {
+    let at = x.clamp(0.0, 1.0) * (n - 1) as f32;
+    let before = (at as usize).min(n - 2);
+    (before, at - before as f32)
+}
+
+fn tabulate(alpha: f32) -> Row {
+    let mut row = [Split::ZERO; COSINES + 1];
+    for (i, entry) in row[..COSINES].iter_mut().enumerate() {
+        *entry = integrate(alpha, place(i, COSINES).powi(4).max(1e-6), SAMPLES);
+    }
+    row[COSINES] = mean_of(&row);
+    row
+}
+
+/// A and B at one angle, over a midpoint grid of visible normals.
+fn integrate(alpha: f32, cosine: f32, samples: usize) -> Split {
+    let outgoing = Vec3::new((1.0 - cosine * cosine).max(0.0).sqrt(), 0.0, cosine);
+    let ggx = Ggx::new(alpha);
+    let at = |i: usize| (i as f32 + 0.5) / samples as f32;
+    let entry = |s: f32, v: f32| {
+        // Substituted so that the grid reaches into the long tail of steep normals, at u.x → 1.
+        let rest = 1.0 - s;
+        let sample = ggx.sample_reflection(outgoing, Vec2::new(1.0 - rest.powi(4), v));
+        let weight = |s: Reflection| s.weight * Split::new(1.0, schlick_weight(s.facet_cosine));
+        4.0 * rest.powi(3) * sample.map_or(Split::ZERO, weight)
+    };
+    // Row by row: a long sum of small numbers would lose its last digits.
+    let row = |j: usize| (0..samples).map(|i| entry(at(i), at(j))).sum::<Split>() / samples as f32;
+    (0..samples).map(row).sum::<Split>() / samples as f32
+}
+
+/// 2 ∫ E(μ) μ dμ of the row as it is interpolated, in closed form: with μ = t⁴ it is ∫ E 8t⁷ dt, E linear in t.
+fn mean_of(row: &Row) -> Split {
+    let step = 1.0 / (COSINES - 1) as f64;
+    (0..COSINES - 1)
+        .map(|i| {
+            let (before, after) = (i as f64 * step, (i + 1) as f64 * step);
+            let both = after.powi(8) - before.powi(8);
+            let second = (8.0 / 9.0 * (after.powi(9) - before.powi(9)) - before * both) / step;
+            (both - second) as f32 * row[i] + second as f32 * row[i + 1]
+        })
+        .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Largest error of the table against a finer integral.
+    fn worst_error(alphas: &[f32]) -> f32 {
+        let mut worst = 0.0_f32;
+        for &alpha in alphas {
+            for cosine in [0.004, 0.03, 0.1, 0.21, 0.47, 0.7, 0.93, 1.0] {
+                let exact = integrate(alpha, cosine, 400);
+                for specular in [0.0, 0.04, 0.5, 1.0] {
+                    let found = at_roughness(alpha).directional(Vec3::splat(specular), cosine).x;
+                    let error = found - (specular * exact.x + (1.0 - specular) * exact.y);
+                    worst = worst.max(error.abs());
+                }
+            }
+        }
+        worst
+    }
+
+    #[test]
+    fn the_table_agrees_with_a_finer_integral() {
+        let [rough, smooth] = [&[0.02, 0.07, 0.15, 0.33, 0.5, 0.72, 0.97][..], &[0.001, 0.003, 0.007]].map(worst_error);
+        eprintln!("albedo table: worst error {rough:.5}, of nearly smooth coats {smooth:.5}");
+        assert!(rough < 2e-3, "{rough}");
+        assert!(smooth < 1e-2, "{smooth}");
+    }
+
+    #[test]
+    fn a_smooth_coat_has_schlick_s_closed_forms() {
+        // Directional: F₀ + (1 − F₀)(1 − μ)⁵. Mean: F₀ + (1 − F₀)/21.
+        let albedo = at_roughness(1e-4);
+        let specular = Vec3::splat(0.04);
+        assert!((albedo.mean(specular).x - (0.04 + 0.96 / 21.0)).abs() < 1e-3);
+        assert!((albedo.directional(specular, 0.5).x - (0.04 + 0.96 / 32.0)).abs() < 1e-3);
+    }
+}

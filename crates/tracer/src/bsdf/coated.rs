@@ -1,0 +1,80 @@
+//! A diffuse base under a rough specular coat.
+//!
+//! The coat is a GGX surface with Schlick's Fresnel; with directional albedo E(o) and mean albedo Ē = 2∫E(μ)μdμ,
+//!
+//! f = f_coat + k_d/π · (1 − E(o)) (1 − E(i)) / (1 − Ē)        (Kelemen and Szirmay-Kalos 2001, per colour channel).
+//!
+//! What the coat does not reflect enters the base, and leaves it by the same rule: reciprocal, and the albedo is
+//! E(o) + k_d (1 − E(o)) ≤ 1 at every angle, however bright `diffuse` and `specular` are.
+//!
+//! In Mitsuba: `roughplastic` with `distribution = ggx`, `nonlinear = false`, the same `alpha`, `diffuse_reflectance`
+//! and `int_ior` = (1 + √F₀)/(1 − √F₀) is the same formula (its 1 − fdr_int is (1 − Ē)/η² by reciprocity), with
+//! Fresnel's equations in place of Schlick's approximation; grey `specular` only. OBJ's K_d, K_s, N_s map to `diffuse`,
+//! `specular`, α = √(2/(N_s + 2)).
+
+use std::f32::consts::FRAC_1_PI;
+
+use glam::{Vec2, Vec3};
+
+use super::coat_albedo::{self, CoatAlbedo};
+use super::ggx::Ggx;
+use super::{Scattered, fresnel};
+use crate::sampler::warp::{cosine_hemisphere_pdf, sample_cosine_hemisphere};
+
+/// A coat is never smoother than this: nobody sees the difference, and the surface keeps one kind of event.
+const SMOOTHEST: f32 = 1e-3;
+
+/// Diffuse under a rough coat, seen from one direction.
+#[derive(Clone, Copy, Debug)]
+pub struct Coated {
+    /// k_d / (1 − Ē) / π · (1 − E(o)).
+    base: Vec3,
+    specular: Vec3,
+    ggx: Ggx,
+    albedo: CoatAlbedo,
+    /// Probability of sampling the coat.
+    coat_share: f32,
+}
+
+impl Coated {
+    /// A base of reflectance `diffuse` under a coat that reflects `specular` at normal incidence (all 0 … 1), of GGX
+    /// roughness `alpha`, seen with cosine `outgoing_cosine`.
+    pub fn new(diffuse: Vec3, specular: Vec3, alpha: f32, outgoing_cosine: f32) -> Self {
+        let alpha = alpha.clamp(SMOOTHEST, 1.0);
+        let albedo = coat_albedo::at_roughness(alpha);
+        let reflected = albedo.directional(specular, outgoing_cosine);
+        let entering = Vec3::ONE - reflected;
+        let passed = Vec3::ONE - albedo.mean(specular);
+        let base = diffuse * entering / passed.max(Vec3::splat(f32::MIN_POSITIVE)) * FRAC_1_PI;
+        let (coat, below) = (reflected.element_sum(), (diffuse * entering).element_sum());
+        let coat_share = if coat + below > 0.0 { coat / (coat + below) } else { 0.0 };
+        Self { base, specular, ggx: Ggx::new(alpha), albedo, coat_share }
+    }
+
+    #[inline]
+    pub(super) fn sample_direction(&self, outgoing: Vec3, choice: f32, u: Vec2) -> Option<Scattered> {
+        let incoming = if choice < self.coat_share {
+            self.ggx.sample_reflection(outgoing, u)?.incoming
+        } else {
+            sample_cosine_hemisphere(u)
+        };
+        let pdf = self.direction_pdf(outgoing, incoming);
+        if incoming.z <= 0.0 || pdf <= 0.0 {
+            return None;
+        }
+        Some(Scattered { incoming, weight: self.evaluate(outgoing, incoming) / pdf, pdf: Some(pdf), eta: 1.0 })
+    }
+
+    #[inline]
+    pub(super) fn direction_pdf(&self, outgoing: Vec3, incoming: Vec3) -> f32 {
+        self.coat_share * self.ggx.reflection_pdf(outgoing, incoming)
+            + (1.0 - self.coat_share) * cosine_hemisphere_pdf(incoming.z)
+    }
+
+    #[inline]
+    pub(super) fn evaluate(&self, outgoing: Vec3, incoming: Vec3) -> Vec3 {
+        let (coat, facet_cosine) = self.ggx.evaluate(outgoing, incoming);
+        let leaving = Vec3::ONE - self.albedo.directional(self.specular, incoming.z);
+        coat * fresnel::schlick(self.specular, facet_cosine) + self.base * leaving * incoming.z
+    }
+}

@@ -1,0 +1,79 @@
+//! One way of scattering, in a local frame.
+
+use glam::{Vec2, Vec3};
+
+use super::{Coated, Conductor, Diffuse, Glass, Mirror};
+
+/// A direction that a lobe has chosen, in its local frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Scattered {
+    /// Where the light comes from; unit length.
+    pub incoming: Vec3,
+    /// f·|cos θ| ÷ pdf.
+    pub weight: Vec3,
+    /// Density per solid angle; `None` when the direction was the only one possible (a delta distribution).
+    pub pdf: Option<f32>,
+    /// Refractive index on the incoming side over that on the outgoing side; 1 when reflected.
+    pub eta: f32,
+}
+
+/// One way of scattering. In all methods +z is the normal, and `outgoing` a unit vector with z > 0.
+#[derive(Clone, Copy, Debug)]
+pub enum Lobe {
+    /// Lambertian.
+    Diffuse(Diffuse),
+    /// Perfect mirror.
+    Mirror(Mirror),
+    /// Smooth dielectric.
+    Glass(Glass),
+    /// Rough metal.
+    Conductor(Conductor),
+    /// Diffuse under a rough coat.
+    Coated(Coated),
+}
+
+impl Lobe {
+    /// Whether it scatters into single directions only, which nothing but sampling can find.
+    #[inline]
+    pub const fn is_specular(&self) -> bool {
+        matches!(self, Self::Mirror(_) | Self::Glass(_))
+    }
+
+    /// Chooses a direction for the light that leaves towards `outgoing`, from a number `choice` in [0, 1) and a point
+    /// `u` in [0, 1)². `None` when the light is absorbed.
+    #[inline]
+    pub fn sample_direction(&self, outgoing: Vec3, choice: f32, u: Vec2) -> Option<Scattered> {
+        match self {
+            Self::Diffuse(diffuse) => Some(diffuse.sample_direction(u)),
+            Self::Mirror(mirror) => Some(mirror.sample_direction(outgoing)),
+            Self::Glass(glass) => Some(glass.sample_direction(outgoing, choice)),
+            Self::Conductor(conductor) => conductor.sample_direction(outgoing, u),
+            Self::Coated(coated) => coated.sample_direction(outgoing, choice, u),
+        }
+    }
+
+    /// Density per solid angle of [`sample_direction`](Self::sample_direction); 0 for specular lobes. It integrates to
+    /// the share of samples that are not absorbed.
+    #[inline]
+    pub fn direction_pdf(&self, outgoing: Vec3, incoming: Vec3) -> f32 {
+        match self {
+            _ if incoming.z <= 0.0 => 0.0,
+            Self::Diffuse(diffuse) => diffuse.direction_pdf(incoming),
+            Self::Conductor(conductor) => conductor.direction_pdf(outgoing, incoming),
+            Self::Coated(coated) => coated.direction_pdf(outgoing, incoming),
+            Self::Mirror(_) | Self::Glass(_) => 0.0,
+        }
+    }
+
+    /// f·cos θ for light from `incoming`; 0 for specular lobes.
+    #[inline]
+    pub fn evaluate(&self, outgoing: Vec3, incoming: Vec3) -> Vec3 {
+        match self {
+            _ if incoming.z <= 0.0 => Vec3::ZERO,
+            Self::Diffuse(diffuse) => diffuse.evaluate(incoming),
+            Self::Conductor(conductor) => conductor.evaluate(outgoing, incoming),
+            Self::Coated(coated) => coated.evaluate(outgoing, incoming),
+            Self::Mirror(_) | Self::Glass(_) => Vec3::ZERO,
+        }
+    }
+}

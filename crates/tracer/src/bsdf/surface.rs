@@ -1,0 +1,273 @@
+//! A lobe at a point of the scene.
+
+use glam::{Vec2, Vec3};
+
+use super::frame::Frame;
+use super::{Coated, Conductor, Diffuse, Glass, Lobe, Mirror, Scattered, fresnel};
+use crate::interaction::Interaction;
+use crate::material::{Colour, Surface};
+
+/// Metals smoother than this are perfect mirrors: their highlight is narrower than any pixel.
+const SMOOTH_ALPHA: f32 = 1e-3;
+
+/// A direction chosen by [`Bsdf::sample_direction`].
+#[derive(Clone, Copy, Debug)]
+pub struct DirectionSample {
+    /// Where the light comes from; unit length, in the world.
+    pub direction: Vec3,
+    /// f·|cos θ| ÷ pdf.
+    pub weight: Vec3,
+    /// Density per solid angle; `None` when the direction was the only one possible (a delta distribution).
+    pub pdf: Option<f32>,
+    /// Refractive index on the incoming side over that on the outgoing side; 1 when reflected.
+    pub eta: f32,
+}
+
+/// How the surface at one point scatters light towards one viewer.
+///
+/// Two normals, two dangers (Veach 1997, section 5.3). Lobes live around the shading normal; what they reflect must
+/// stay on the viewer's side of the *real* surface, and what they transmit beyond it, or light leaks through walls.
+/// A viewer below the shading horizon (at silhouettes of coarse meshes) sees the geometric normal instead. A perfect
+/// mirror or glass whose direction would leak takes the geometric normal too, so it keeps its energy; rough lobes
+/// lose what would leak.
+#[derive(Clone, Copy, Debug)]
+pub struct Bsdf {
+    frame: Frame,
+    /// On the viewer's side.
+    geometric_normal: Vec3,
+    outgoing: Vec3,
+    local_outgoing: Vec3,
+    lobe: Lobe,
+    albedo: Vec3,
+}
+
+impl Bsdf {
+    /// The scattering at `interaction` towards its viewer. Reflectances are clamped to 0 … 1.
+    pub fn at(interaction: &Interaction) -> Self {
+        let outgoing = interaction.outgoing;
+        let outside = interaction.geometric_normal.dot(outgoing) >= 0.0;
+        let side = if outside { 1.0 } else { -1.0 };
+        let geometric_normal = side * interaction.geometric_normal;
+        let shading_normal = side * interaction.shading_normal;
+        let normal = if shading_normal.dot(outgoing) > 0.0 { shading_normal } else { geometric_normal };
+        let frame = Frame::new(normal);
+        let local_outgoing = above(frame.to_local(outgoing));
+        let (lobe, albedo) = lobe_at(interaction, outside, local_outgoing.z);
+        Self { frame, geometric_normal, outgoing, local_outgoing, lobe, albedo }
+    }
+
+    /// Whether it scatters into single directions only: a perfect mirror or clear glass.
+    #[inline]
+    pub const fn is_specular(&self) -> bool {
+        self.lobe.is_specular()
+    }
+
+    /// What the albedo feature holds, 0 … 1: diffuse reflectance, reflectance at normal incidence of metals and mirrors,
+    /// tint of glass; of a coated surface F₀ + (1 − F₀) k_d.
+    #[inline]
+    pub const fn albedo(&self) -> Vec3 {
+        self.albedo
+    }
+
+    /// The normal that lobes are built around, on the viewer's side.
+    #[inline]
+    pub fn normal(&self) -> Vec3 {
+        self.frame.to_world(Vec3::Z)
+    }
+
+    /// Whether `direction` lies above both horizons, the shading and the geometric one, on the viewer's side.
+    #[inline]
+    pub fn is_above(&self, direction: Vec3) -> bool {
+        self.geometric_normal.dot(direction) > 0.0 && self.normal().dot(direction) > 0.0
+    }
+
+    /// Chooses a direction to follow the light back, from a number `choice` in [0, 1) and a point `u` in [0, 1)².
+    /// `None` when the light is absorbed or would leak through the surface.
+    pub fn sample_direction(&self, choice: f32, u: Vec2) -> Option<DirectionSample> {
+        let sample = self.sample_in(self.frame, self.local_outgoing, choice, u);
+        if sample.is_none() && self.is_specular() {
+            let frame = Frame::new(self.geometric_normal);
+            return self.sample_in(frame, above(frame.to_local(self.outgoing)), choice, u);
+        }
+        sample
+    }
+
+    fn sample_in(&self, frame: Frame, outgoing: Vec3, choice: f32, u: Vec2) -> Option<DirectionSample> {
+        let Scattered { incoming, weight, pdf, eta } = self.lobe.sample_direction(outgoing, choice, u)?;
+        let direction = frame.to_world(incoming);
+        let leaks = (incoming.z > 0.0) != (self.geometric_normal.dot(direction) > 0.0);
+        (!leaks).then_some(DirectionSample { direction, weight, pdf, eta })
+    }
+
+    /// Density per solid angle of [`sample_direction`](Self::sample_direction) for the unit vector `incoming`; 0 for
+    /// specular surfaces.
+    #[inline]
+    pub fn direction_pdf(&self, incoming: Vec3) -> f32 {
+        if self.geometric_normal.dot(incoming) <= 0.0 {
+            return 0.0;
+        }
+        self.lobe.direction_pdf(self.local_outgoing, self.frame.to_local(incoming))
+    }
+
+    /// f·cos θ for light from the unit vector `incoming`; 0 for specular surfaces and below either horizon.
+    #[inline]
+    pub fn evaluate(&self, incoming: Vec3) -> Vec3 {
+        if self.geometric_normal.dot(incoming) <= 0.0 {
+            return Vec3::ZERO;
+        }
+        self.lobe.evaluate(self.local_outgoing, self.frame.to_local(incoming))
+    }
+}
+
+/// `direction` with a z above zero, which rounding may have taken from it.
+#[inline]
+fn above(direction: Vec3) -> Vec3 {
+    Vec3::new(direction.x, direction.y, direction.z.max(1e-7))
+}
+
+/// The lobe and the albedo feature of `interaction`'s material, seen from the outside or not, with cosine `cosine`.
+fn lobe_at(interaction: &Interaction, outside: bool, cosine: f32) -> (Lobe, Vec3) {
+    let colour = |colour: &Colour| colour_at(colour, interaction.uv);
+    match &interaction.material.surface {
+        Surface::Diffuse { reflectance } => {
+            let reflectance = colour(reflectance);
+            (Lobe::Diffuse(Diffuse { reflectance }), reflectance)
+        }
+        Surface::Mirror { reflectance } => {
+            let reflectance = colour(reflectance);
+            (Lobe::Mirror(Mirror { reflectance }), reflectance)
+        }
+        Surface::Glass { ior, transmittance } => {
+            let transmittance = colour(transmittance);
+            let eta = if outside { *ior } else { 1.0 / ior };
+            (Lobe::Glass(Glass { eta, transmittance }), transmittance)
+        }
+        Surface::Conductor { reflectance, alpha } => {
+            let reflectance = colour(reflectance);
+            (conductor(reflectance, *alpha, cosine), reflectance)
+        }
+        Surface::Coated { diffuse, specular, alpha } => {
+            let (diffuse, specular) = (colour(diffuse), colour(specular));
+            let albedo = specular + (Vec3::ONE - specular) * diffuse;
+            (Lobe::Coated(Coated::new(diffuse, specular, *alpha, cosine)), albedo)
+        }
+    }
+}
+
+fn conductor(reflectance: Vec3, alpha: f32, cosine: f32) -> Lobe {
+    if alpha < SMOOTH_ALPHA {
+        Lobe::Mirror(Mirror { reflectance: fresnel::schlick(reflectance, cosine) })
+    } else {
+        Lobe::Conductor(Conductor::new(reflectance, alpha.min(1.0)))
+    }
+}
+
+/// `colour` at texture coordinates `uv`, clamped to 0 … 1.
+fn colour_at(colour: &Colour, uv: Vec2) -> Vec3 {
+    let texel = colour.texture.as_ref().map_or(Vec3::ONE, |texture| texture.lookup(uv));
+    (colour.factor * texel).clamp(Vec3::ZERO, Vec3::ONE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::Material;
+
+    fn material(surface: Surface) -> Material {
+        Material { name: "test".into(), surface, emission: Vec3::ZERO }
+    }
+
+    fn seen(material: &Material, normals: [Vec3; 2], outgoing: Vec3) -> Bsdf {
+        Bsdf::at(&Interaction {
+            position: Vec3::ZERO,
+            position_error: Vec3::ZERO,
+            geometric_normal: normals[0],
+            shading_normal: normals[1],
+            uv: Vec2::ZERO,
+            outgoing,
+            distance: 1.0,
+            time: 0.0,
+            emitter: None,
+            material,
+        })
+    }
+
+    fn grey(value: f32) -> Colour {
+        Colour::constant(Vec3::splat(value))
+    }
+
+    /// A shading normal 60° off the real one.
+    fn tilted() -> Vec3 {
+        Vec3::new(0.75_f32.sqrt(), 0.0, 0.5)
+    }
+
+    #[test]
+    fn nothing_leaks_through_a_surface_with_a_tilted_shading_normal() {
+        let surfaces = [
+            Surface::Diffuse { reflectance: grey(0.5) },
+            Surface::Mirror { reflectance: grey(0.5) },
+            Surface::Conductor { reflectance: grey(0.5), alpha: 0.3 },
+            Surface::Coated { diffuse: grey(0.5), specular: grey(0.1), alpha: 0.3 },
+        ];
+        for surface in surfaces {
+            let material = material(surface);
+            for outgoing in [Vec3::new(0.8, 0.0, 0.6), Vec3::new(-0.8, 0.0, 0.6), Vec3::new(0.6, 0.0, -0.8)] {
+                let bsdf = seen(&material, [Vec3::Z, tilted()], outgoing);
+                for i in 0..256 {
+                    let u = Vec2::new((i % 16) as f32 + 0.5, (i / 16) as f32 + 0.5) / 16.0;
+                    let Some(sample) = bsdf.sample_direction(0.3, u) else { continue };
+                    assert!(sample.direction.z * outgoing.z > 0.0, "{material:?} {outgoing}");
+                }
+                let beyond = Vec3::new(0.9, 0.0, -0.2 * outgoing.z.signum()).normalize();
+                assert_eq!(bsdf.evaluate(beyond), Vec3::ZERO);
+                assert_eq!(bsdf.direction_pdf(beyond), 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn mirror_and_glass_keep_their_energy_at_silhouettes() {
+        for surface in
+            [Surface::Mirror { reflectance: grey(1.0) }, Surface::Glass { ior: 1.5, transmittance: grey(1.0) }]
+        {
+            let material = material(surface);
+            for angle in 0..200 {
+                let (sin, cos) = (angle as f32 / 200.0 * std::f32::consts::TAU).sin_cos();
+                if cos.abs() < 1e-3 {
+                    continue;
+                }
+                let bsdf = seen(&material, [Vec3::Z, tilted()], Vec3::new(sin, 0.0, cos));
+                let sample = bsdf.sample_direction(0.999, Vec2::ZERO).unwrap();
+                assert!((sample.weight * sample.eta * sample.eta - Vec3::ONE).length() < 1e-5, "{angle}");
+            }
+        }
+    }
+
+    #[test]
+    fn smooth_metal_is_a_mirror_with_schlick_s_reflectance() {
+        let material = material(Surface::Conductor { reflectance: grey(0.5), alpha: 1e-4 });
+        let bsdf = seen(&material, [Vec3::Z; 2], Vec3::new(0.75_f32.sqrt(), 0.0, 0.5));
+        assert!(bsdf.is_specular());
+        let sample = bsdf.sample_direction(0.0, Vec2::ZERO).unwrap();
+        assert!((sample.weight.x - (0.5 + 0.5 / 32.0)).abs() < 1e-6);
+        assert_eq!(bsdf.albedo(), Vec3::splat(0.5));
+    }
+
+    #[test]
+    fn glass_bends_towards_the_normal_from_outside_and_away_from_inside() {
+        let material = material(Surface::Glass { ior: 1.5, transmittance: grey(1.0) });
+        let outgoing = Vec3::new(0.5, 0.0, 0.75_f32.sqrt());
+        let from_outside = seen(&material, [Vec3::Z; 2], outgoing).sample_direction(0.99, Vec2::ZERO).unwrap();
+        assert!((from_outside.direction.x + 0.5 / 1.5).abs() < 1e-6);
+        let from_inside = seen(&material, [-Vec3::Z; 2], outgoing).sample_direction(0.99, Vec2::ZERO).unwrap();
+        assert!((from_inside.direction.x + 0.5 * 1.5).abs() < 1e-6);
+    }
+
+    #[test]
+    fn albedos_are_clamped_and_bounded() {
+        let diffuse = material(Surface::Diffuse { reflectance: grey(3.0) });
+        assert_eq!(seen(&diffuse, [Vec3::Z; 2], Vec3::Z).albedo(), Vec3::ONE);
+        let coated = material(Surface::Coated { diffuse: grey(0.5), specular: grey(0.2), alpha: 0.3 });
+        assert!((seen(&coated, [Vec3::Z; 2], Vec3::Z).albedo().x - 0.6).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,123 @@
+//! A tree over the triangles of one mesh.
+
+use std::ops::ControlFlow;
+
+use glam::Vec3;
+
+use super::node::LANES;
+use super::packet::Packet;
+use super::watertight::Crossing;
+use super::{Bounds, Placement, ShearedRay, SlabRay, WideBvh};
+use crate::Ray;
+
+/// The nearest triangle a ray crosses.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TriangleHit {
+    /// Number of the triangle in the mesh.
+    pub triangle: u32,
+    /// Weights of its three vertices at the hit.
+    pub barycentric: [f32; 3],
+    /// Distance along the ray.
+    pub distance: f32,
+}
+
+/// A tree over the triangles of one mesh.
+///
+/// Among triangles at the same distance the one with the lowest number is hit, so the result does not depend on the
+/// shape of the tree.
+#[derive(Debug)]
+pub struct TriangleBvh {
+    tree: WideBvh,
+    packets: Vec<Packet>,
+}
+
+impl TriangleBvh {
+    /// Builds a tree over triangles `0..count`, whose vertices must be finite. `None` when there are none.
+    pub fn build(count: u32, vertices_of: impl Fn(u32) -> [Vec3; 3]) -> Option<Self> {
+        let boxes: Vec<Bounds> = (0..count).map(|t| Bounds::of(vertices_of(t))).collect();
+        let (tree, leaves) = WideBvh::build(&boxes, LANES as u32)?;
+        let packets = leaves.iter().map(|members| Packet::new(members, &vertices_of)).collect();
+        Some(Self { tree, packets })
+    }
+
+    /// The box round all triangles.
+    pub fn bounds(&self) -> &Bounds {
+        self.tree.bounds()
+    }
+
+    /// The nearest triangle nearer than `t_max`, with the mesh standing at `placement` if given, else where it is.
+    ///
+    /// Placed triangles are taken to the ray and not the ray to them, so that distances and errors are those of the
+    /// scene and meshes stay watertight.
+    #[inline]
+    pub fn closest(
+        &self,
+        ray: &Ray,
+        sheared: &ShearedRay,
+        placement: Option<&Placement>,
+        t_max: f32,
+    ) -> Option<TriangleHit> {
+        let mut nearest = Nearest { hit: None, t_max };
+        self.tree.traverse(&self.slab_ray(ray, placement), t_max, |leaf, _| {
+            self.crossings(leaf, sheared, placement, |triangle, at| nearest.offer(triangle, at));
+            ControlFlow::Continue(nearest.t_max)
+        });
+        nearest.hit
+    }
+
+    /// Whether any triangle is nearer than `t_max`, with the mesh standing at `placement`.
+    #[inline]
+    pub fn occluded(&self, ray: &Ray, sheared: &ShearedRay, placement: Option<&Placement>, t_max: f32) -> bool {
+        let mut found = false;
+        self.tree.traverse(&self.slab_ray(ray, placement), t_max, |leaf, _| {
+            self.crossings(leaf, sheared, placement, |_, at| found |= at.distance < t_max);
+            if found { ControlFlow::Break(()) } else { ControlFlow::Continue(t_max) }
+        });
+        found
+    }
+
+    #[inline]
+    fn crossings(
+        &self,
+        leaf: usize,
+        sheared: &ShearedRay,
+        placement: Option<&Placement>,
+        found: impl FnMut(u32, Crossing),
+    ) {
+        match placement {
+            None => self.packets[leaf].crossings(sheared, found),
+            Some(placement) => self.packets[leaf].placed(placement).crossings(sheared, found),
+        }
+    }
+
+    /// The ray in the mesh's space. Its direction is not unit there, so that distances stay those of the scene.
+    #[inline]
+    fn slab_ray(&self, ray: &Ray, placement: Option<&Placement>) -> SlabRay {
+        let Some(placement) = placement else { return SlabRay::new(ray, self.bounds(), 0.0) };
+        let corners = self.bounds().corners().map(|c| placement.point(c).abs().max_element());
+        let reach = corners.into_iter().fold(0.0, f32::max) + 2.0 * ray.origin.abs().max_element();
+        let local = Ray {
+            origin: placement.inverse_point(ray.origin),
+            direction: placement.inverse_direction(ray.direction),
+            ..*ray
+        };
+        SlabRay::new(&local, self.bounds(), placement.inverse_error(reach))
+    }
+}
+
+/// The nearest crossing so far.
+struct Nearest {
+    hit: Option<TriangleHit>,
+    t_max: f32,
+}
+
+impl Nearest {
+    #[inline]
+    fn offer(&mut self, triangle: u32, at: Crossing) {
+        let tie = at.distance == self.t_max && self.hit.is_some_and(|hit| triangle < hit.triangle);
+        if at.distance < self.t_max || tie {
+            self.hit = Some(TriangleHit { triangle, barycentric: at.barycentric, distance: at.distance });
+            self.t_max = at.distance;
+        }
+    }
+}

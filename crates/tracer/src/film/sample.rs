@@ -1,0 +1,83 @@
+//! What one path contributes to its pixel.
+
+use glam::Vec3;
+
+/// Channels of radiance: scattered, then emission.
+pub(super) const RADIANCE_CHANNELS: usize = 6;
+/// Channels of features, in the order of [`stack::FeatureRole::ALL`].
+pub(super) const FEATURE_CHANNELS: usize = 11;
+
+/// What one path saw at its feature hit.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FeatureRecord {
+    /// World-space position, in scene units; on a miss where the ray leaves the scene's bounding sphere.
+    pub position: Vec3,
+    /// Reflectance, 0 … 1 ([`Bsdf::albedo`](crate::bsdf::Bsdf::albedo)); 1 on a miss.
+    pub albedo: Vec3,
+    /// World-space shading normal of unit length on the *surface's* outside, whether that faces the viewer or not (as
+    /// Mitsuba's `sh_normal`); 0 on a miss.
+    pub normal: Vec3,
+    /// 1 when the one light sample taken here arrives unoccluded, else 0; 0 when the light lies below the horizon or
+    /// turns its back. 1 on a miss.
+    pub visibility: f32,
+    /// Distance along the camera ray to the first surface, in scene units; on a miss to the bounding sphere.
+    pub depth: f32,
+}
+
+/// What one path contributes to its pixel. The radiance it carries is `scattered + emission`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SampleRecord {
+    /// Radiance scattered at least once by a surface that is neither a perfect mirror nor clear glass.
+    pub scattered: Vec3,
+    /// Emission and sky seen directly, or by way of perfect mirrors and clear glass only.
+    pub emission: Vec3,
+    /// What the path saw on its way.
+    pub features: FeatureRecord,
+}
+
+impl SampleRecord {
+    /// Replaces a radiance, or the features, by zero where a value is not finite. Whether there was one.
+    pub fn make_finite(&mut self) -> bool {
+        let mut replaced = false;
+        for radiance in [&mut self.scattered, &mut self.emission] {
+            if !radiance.is_finite() {
+                *radiance = Vec3::ZERO;
+                replaced = true;
+            }
+        }
+        if !self.feature_channels().iter().all(|v| v.is_finite()) {
+            self.features = FeatureRecord::default();
+            replaced = true;
+        }
+        replaced
+    }
+
+    /// The radiance, channel by channel.
+    pub(super) fn radiance_channels(&self) -> [f32; RADIANCE_CHANNELS] {
+        let (s, e) = (self.scattered, self.emission);
+        [s.x, s.y, s.z, e.x, e.y, e.z]
+    }
+
+    /// The features, channel by channel.
+    pub(super) fn feature_channels(&self) -> [f32; FEATURE_CHANNELS] {
+        let FeatureRecord { position: p, albedo: a, normal: n, visibility, depth } = self.features;
+        [p.x, p.y, p.z, a.x, a.y, a.z, n.x, n.y, n.z, visibility, depth]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_finite_becomes_zero_and_is_told() {
+        let sound = SampleRecord { scattered: Vec3::ONE, emission: Vec3::X, ..SampleRecord::default() };
+        let mut record = sound;
+        assert!(!record.make_finite());
+        assert_eq!(record, sound);
+        record.scattered.y = f32::NAN;
+        record.features.depth = f32::INFINITY;
+        assert!(record.make_finite());
+        assert_eq!(record, SampleRecord { emission: Vec3::X, ..SampleRecord::default() });
+    }
+}

@@ -1,0 +1,265 @@
+//! Whole pictures against closed forms.
+
+use glam::Vec3;
+use stack::{ComponentRole, FeatureRole, FeatureStack, Size};
+
+use super::test_scenes::{
+    Pieces, assert_scattered, diffuse, furnace, grey, lamp, looking_down, mean_of, peering, render,
+};
+use super::{DirectLight, FeatureHit, TraceSettings};
+use crate::material::Surface;
+use crate::scene::Scene;
+
+const DEFAULT: TraceSettings = TraceSettings::DEFAULT;
+const DOWN: Vec3 = Vec3::new(0.0, 0.0, 0.0);
+
+/// Value of the first channel of a feature at the pixel `index`.
+fn feature(stack: &FeatureStack, role: FeatureRole, index: usize) -> Vec<f32> {
+    stack.feature(role).unwrap().estimate.mean.channels().iter().map(|c| c[index]).collect()
+}
+
+#[test]
+fn a_diffuse_sphere_in_a_uniform_sky_shows_its_reflectance() {
+    for reflectance in [0.0, 0.3, 1.0] {
+        let (stack, report) = render(&furnace(reflectance), &looking_down(Size::new(16, 16)), 8, &DEFAULT);
+        assert_eq!(report.not_finite, 0);
+        for pixel in 0..256 {
+            let [scattered, emission] = [ComponentRole::Scattered, ComponentRole::Emission]
+                .map(|role| stack.component(role).unwrap().radiance.mean.channels()[0][pixel]);
+            let surface = feature(&stack, FeatureRole::Normal, pixel)[1];
+            // A pixel of sphere alone, or of sky alone; those on the border show both.
+            if surface > 0.3 && pixel / 16 % 15 != 0 && pixel % 16 % 15 != 0 && emission == 0.0 {
+                assert!((scattered - reflectance).abs() < 1e-3, "{pixel}: {scattered}");
+            }
+            if surface == 0.0 {
+                assert_eq!((scattered, emission), (0.0, 1.0));
+            }
+        }
+    }
+}
+
+/// Inside a glowing furnace every bounce adds its power of the reflectance.
+#[test]
+fn a_furnace_seen_from_inside_is_a_geometric_series() {
+    for (surface, reflectance) in [(diffuse(0.5), 0.5), (Surface::Mirror { reflectance: grey(0.5) }, 0.5_f64)] {
+        let scene = Pieces::default().sphere(-1.0, (surface, 1.0)).under(None);
+        for max_depth in [0, 1, 3, 64] {
+            let settings = TraceSettings { max_depth, ..DEFAULT };
+            let (stack, _) = render(&scene, &peering(Vec3::ZERO, Vec3::new(0.3, 0.2, 1.0)), 512, &settings);
+            let expected: f64 = (0..=max_depth as i32).map(|k| reflectance.powi(k)).sum();
+            let [(a, error_a), (b, error_b)] = ComponentRole::ALL.map(|role| mean_of(&stack, role));
+            let error = 4.0 * (error_a + error_b) + 1e-4;
+            assert!((a + b - expected).abs() < error, "{max_depth}: {} ± {error} {expected}", a + b);
+        }
+    }
+}
+
+/// Form factor from a point to a rectangle a × b parallel to its plane, at distance c above, one corner above the
+/// point (Howell's catalogue of configuration factors, B-3).
+fn corner_form_factor(a: f64, b: f64, c: f64) -> f64 {
+    let (x, y) = (a / c, b / c);
+    let (p, q) = ((1.0 + x * x).sqrt(), (1.0 + y * y).sqrt());
+    (x / p * (y / p).atan() + y / q * (x / q).atan()) / std::f64::consts::TAU
+}
+
+/// A floor of reflectance 0.5 under a lamp 2 × 1 at height 1.5.
+fn lit_floor(sky: Option<f32>) -> Scene {
+    Pieces::default()
+        .quad(Vec3::new(-5.0, 0.0, 5.0), Vec3::X * 10.0, -Vec3::Z * 10.0, (diffuse(0.5), 0.0))
+        .quad(Vec3::new(-1.0, 1.5, -0.5), Vec3::X * 2.0, Vec3::Z, lamp(3.0))
+        .under(sky)
+}
+
+#[test]
+fn a_floor_under_a_lamp_is_as_bright_as_the_form_factor_says() {
+    let expected = 0.5 * 3.0 * 4.0 * corner_form_factor(1.0, 0.5, 1.5);
+    for direct_light in [DirectLight::Both, DirectLight::Lights, DirectLight::Surfaces] {
+        let settings = TraceSettings { direct_light, ..DEFAULT };
+        let (stack, _) = render(&lit_floor(None), &peering(Vec3::new(3.0, 1.0, 0.0), DOWN), 1024, &settings);
+        assert_scattered(&stack, expected, 1e-4);
+        assert_eq!(mean_of(&stack, ComponentRole::Emission).0, 0.0);
+        assert_eq!(feature(&stack, FeatureRole::Visibility, 5), [1.0]);
+        assert!((feature(&stack, FeatureRole::Depth, 5)[0] - 10.0_f32.sqrt()).abs() < 1e-3);
+    }
+}
+
+#[test]
+fn mirrors_and_glass_keep_all_light_of_a_uniform_sky() {
+    for (surface, slack) in [
+        (Surface::Mirror { reflectance: grey(1.0) }, 1e-6),
+        (Surface::Conductor { reflectance: grey(1.0), alpha: 1e-4 }, 1e-6),
+        (Surface::Glass { ior: 1.5, transmittance: grey(1.0) }, 1e-4),
+        (Surface::Glass { ior: 1.0, transmittance: grey(1.0) }, 1e-6),
+    ] {
+        let scene = Pieces::default().sphere(1.0, (surface, 0.0)).under(Some(1.0));
+        let settings = TraceSettings { max_depth: 1000, ..DEFAULT };
+        let (stack, _) = render(&scene, &looking_down(Size::new(24, 24)), 16, &settings);
+        let emission = &stack.component(ComponentRole::Emission).unwrap().radiance.mean;
+        for value in &emission.channels()[0] {
+            assert!((value - 1.0).abs() < slack, "{value}");
+        }
+        assert_eq!(mean_of(&stack, ComponentRole::Scattered).0, 0.0);
+    }
+}
+
+#[test]
+fn rough_surfaces_never_gain_light() {
+    for alpha in [0.01, 0.1, 0.4, 1.0] {
+        for surface in [
+            Surface::Conductor { reflectance: grey(1.0), alpha },
+            Surface::Coated { diffuse: grey(1.0), specular: grey(0.04), alpha },
+            Surface::Coated { diffuse: grey(1.0), specular: grey(0.6), alpha },
+        ] {
+            let scene = Pieces::default().sphere(1.0, (surface.clone(), 0.0)).under(Some(1.0));
+            let (stack, _) =
+                render(&scene, &peering(Vec3::new(0.0, 3.0, 0.0), Vec3::new(0.3, 0.9, 0.2)), 512, &DEFAULT);
+            let (mean, error) = mean_of(&stack, ComponentRole::Scattered);
+            assert!(mean < 1.0 + 4.0 * error + 1e-4, "{surface:?}: {mean} ± {error}");
+            // What single scattering loses grows with roughness; a coat passes it on to the white base.
+            let least = if matches!(surface, Surface::Coated { .. }) { 0.99 } else { 1.0 - 0.7 * f64::from(alpha) };
+            assert!(mean > least - 4.0 * error, "{surface:?}: {mean} ± {error}");
+        }
+    }
+}
+
+/// A scene in which every technique matters: lamp, sky, gloss, glass and several bounces.
+fn busy() -> Scene {
+    Pieces::default()
+        .quad(Vec3::new(-3.0, -1.0, 3.0), Vec3::X * 6.0, -Vec3::Z * 6.0, (diffuse(0.7), 0.0))
+        .quad(
+            Vec3::new(-3.0, -1.0, -2.0),
+            Vec3::X * 6.0,
+            Vec3::Y * 4.0,
+            (Surface::Conductor { reflectance: grey(0.8), alpha: 0.3 }, 0.0),
+        )
+        .quad(
+            Vec3::new(-2.0, -1.0, -2.0),
+            Vec3::Y * 4.0,
+            Vec3::Z * 4.0,
+            (Surface::Coated { diffuse: grey(0.5), specular: grey(0.3), alpha: 0.3 }, 0.0),
+        )
+        .quad(Vec3::new(-1.0, 2.5, -1.0), Vec3::X * 2.0, Vec3::Z * 2.0, lamp(4.0))
+        .sphere(0.6, (Surface::Glass { ior: 1.4, transmittance: grey(0.9) }, 0.0))
+        .under(Some(0.3))
+}
+
+fn busy_mean(settings: TraceSettings) -> (f64, f64) {
+    let camera = crate::camera::CameraDescription::looking(Vec3::new(1.0, 1.0, 5.0), Vec3::ZERO);
+    let (stack, report) = render(&busy(), &camera.on(Size::new(12, 12)).unwrap(), 512, &settings);
+    assert_eq!(report.not_finite, 0);
+    mean_of(&stack, ComponentRole::Scattered)
+}
+
+fn assert_agree(a: (f64, f64), b: (f64, f64)) {
+    assert!((a.0 - b.0).abs() < 4.0 * a.1.hypot(b.1), "{a:?} {b:?}");
+    assert!(a.1 < 0.02 * a.0 && b.1 < 0.02 * b.0, "too noisy to tell: {a:?} {b:?}");
+}
+
+#[test]
+fn all_ways_of_finding_direct_light_agree() {
+    let [both, lights, surfaces] = [DirectLight::Both, DirectLight::Lights, DirectLight::Surfaces]
+        .map(|direct_light| busy_mean(TraceSettings { direct_light, seed: direct_light as u64, ..DEFAULT }));
+    assert_agree(both, lights);
+    assert_agree(both, surfaces);
+    assert!(both.1 < lights.1.min(surfaces.1), "combining should not add noise: {both:?} {lights:?} {surfaces:?}");
+}
+
+#[test]
+fn roulette_changes_no_mean() {
+    let with = busy_mean(TraceSettings { roulette_depth: 0, ..DEFAULT });
+    let without = busy_mean(TraceSettings { roulette_depth: 4096, seed: 1, ..DEFAULT });
+    assert_agree(with, without);
+}
+
+/// Lamp and mirror side by side, a floor below.
+#[test]
+fn emission_is_what_is_seen_directly_or_through_mirrors() {
+    let scene = Pieces::default()
+        .quad(
+            Vec3::new(-1.0, -1.0, -2.0),
+            Vec3::X * 2.0,
+            Vec3::Y * 2.0,
+            (Surface::Mirror { reflectance: grey(0.5) }, 0.0),
+        )
+        .quad(Vec3::new(-4.0, -4.0, 6.0), Vec3::Y * 8.0, Vec3::X * 8.0, lamp(2.0))
+        .quad(Vec3::new(3.0, -1.0, -2.0), Vec3::X * 2.0, Vec3::Y * 2.0, (diffuse(0.5), 0.0))
+        .under(None);
+    let eye = Vec3::new(0.0, 0.0, 3.0);
+    for (target, scattered, emission, normal) in [
+        // Into the lamp, into its image, onto the diffuse wall.
+        (Vec3::new(0.5, 0.5, 6.0), false, 2.0, -Vec3::Z),
+        (Vec3::new(0.5, 0.5, -2.0), false, 1.0, -Vec3::Z),
+        (Vec3::new(4.0, 0.0, -2.0), true, 0.0, Vec3::Z),
+    ] {
+        let (stack, _) = render(&scene, &peering(eye, target), 64, &DEFAULT);
+        assert_eq!(mean_of(&stack, ComponentRole::Emission).0, emission, "{target}");
+        assert_eq!(mean_of(&stack, ComponentRole::Scattered).0 > 0.0, scattered, "{target}");
+        assert_eq!(feature(&stack, FeatureRole::Normal, 0), normal.to_array(), "{target}");
+        let depth = feature(&stack, FeatureRole::Depth, 0)[0];
+        assert!((depth / eye.distance(target) - 1.0).abs() < 1e-3, "{target}: {depth}");
+    }
+}
+
+#[test]
+fn features_look_through_mirrors_unless_told_not_to() {
+    let scene = Pieces::default()
+        .quad(
+            Vec3::new(-1.0, -1.0, -2.0),
+            Vec3::X * 2.0,
+            Vec3::Y * 2.0,
+            (Surface::Mirror { reflectance: grey(0.9) }, 0.0),
+        )
+        .quad(Vec3::new(-9.0, -9.0, 4.0), Vec3::Y * 18.0, Vec3::X * 18.0, (diffuse(0.25), 0.0))
+        .under(None);
+    let camera = peering(Vec3::new(0.0, 0.0, 2.0), Vec3::new(0.0, 0.0, -2.0));
+    let (stack, _) = render(&scene, &camera, 8, &DEFAULT);
+    assert!((feature(&stack, FeatureRole::Albedo, 0)[0] - 0.25).abs() < 1e-6);
+    assert!((feature(&stack, FeatureRole::Position, 0)[2] - 4.0).abs() < 1e-4);
+    assert!((feature(&stack, FeatureRole::Depth, 0)[0] - 4.0).abs() < 1e-4);
+    let first = TraceSettings { feature_hit: FeatureHit::First, ..DEFAULT };
+    let (stack, _) = render(&scene, &camera, 8, &first);
+    assert!((feature(&stack, FeatureRole::Albedo, 0)[0] - 0.9).abs() < 1e-6);
+    assert!((feature(&stack, FeatureRole::Position, 0)[2] + 2.0).abs() < 1e-4);
+}
+
+#[test]
+fn visibility_tells_light_from_shadow() {
+    let scene = Pieces::default()
+        .quad(Vec3::new(-9.0, 0.0, 9.0), Vec3::X * 18.0, -Vec3::Z * 18.0, (diffuse(0.5), 0.0))
+        .quad(Vec3::new(-0.1, 4.0, -0.1), Vec3::X * 0.2, Vec3::Z * 0.2, lamp(9.0))
+        .quad(Vec3::new(-1.0, 2.0, -1.0), Vec3::X * 2.0, Vec3::Z * 2.0, (diffuse(0.0), 0.0))
+        .quad(Vec3::new(6.0, 5.0, -1.0), Vec3::X, Vec3::Z, (diffuse(0.0), 0.0))
+        .under(None);
+    for max_depth in [0, 1] {
+        let settings = TraceSettings { max_depth, ..DEFAULT };
+        let seen = |eye: Vec3, at: Vec3| {
+            let (stack, _) = render(&scene, &peering(eye, at), 8, &settings);
+            feature(&stack, FeatureRole::Visibility, 3)[0]
+        };
+        assert_eq!(seen(Vec3::new(8.0, 1.0, 0.0), Vec3::new(0.5, 0.0, 0.0)), 0.0, "in the shadow");
+        assert_eq!(seen(Vec3::new(8.0, 1.0, 0.0), Vec3::new(5.0, 0.0, 0.0)), 1.0, "in the light");
+        assert_eq!(seen(Vec3::new(6.5, 8.0, 0.0), Vec3::new(6.5, 5.0, -0.5)), 0.0, "facing away from the light");
+    }
+}
+
+#[test]
+fn a_miss_has_the_features_of_a_miss() {
+    let (stack, _) = render(&furnace(0.5), &peering(Vec3::new(0.0, 0.0, 1.2), Vec3::new(0.0, 0.0, 9.0)), 8, &DEFAULT);
+    assert_eq!(feature(&stack, FeatureRole::Normal, 0), [0.0; 3]);
+    assert_eq!(feature(&stack, FeatureRole::Albedo, 0), [1.0; 3]);
+    assert_eq!(feature(&stack, FeatureRole::Visibility, 0), [1.0]);
+    let radius = 3.0_f32.sqrt();
+    assert!((feature(&stack, FeatureRole::Position, 0)[2] - radius).abs() < 1e-3);
+    assert!((feature(&stack, FeatureRole::Depth, 0)[0] - (radius - 1.2)).abs() < 1e-3);
+}
+
+#[test]
+fn samples_that_are_not_finite_are_counted_and_count_as_zero() {
+    let scene = Pieces::default()
+        .quad(Vec3::new(-5.0, 0.0, 5.0), Vec3::X * 10.0, -Vec3::Z * 10.0, (diffuse(0.5), f32::INFINITY))
+        .under(None);
+    let (stack, report) = render(&scene, &peering(Vec3::new(0.0, 3.0, 1.0), DOWN), 8, &DEFAULT);
+    assert_eq!((report.samples, report.not_finite), (128, 128));
+    assert_eq!(stack.beauty().rgb(0), [0.0; 3]);
+    assert_eq!(feature(&stack, FeatureRole::Albedo, 0), [0.5; 3]);
+}

@@ -1,0 +1,47 @@
+//! How work is cut into passes.
+//!
+//! Partial means are rounded once per pass, so the same samples must always be cut in the same places: at multiples of
+//! [`PASS`] of the sample *number*, whatever was asked for and whatever interrupted.
+
+use std::ops::Range;
+
+use stack::SampleMap;
+
+/// Most samples a pixel gets in one pass.
+const PASS: u32 = 8;
+
+/// How many passes `map` takes.
+pub(super) fn count(map: &SampleMap) -> u32 {
+    let passes = |(first, count): (&u32, &u32)| if *count == 0 { 0 } else { (first % PASS + count).div_ceil(PASS) };
+    map.first.iter().zip(&map.count).map(passes).max().unwrap_or(0)
+}
+
+/// Numbers of the samples that `pixel` gets in pass `pass` (from 0) of `map`.
+pub(super) fn samples(map: &SampleMap, pixel: usize, pass: u32) -> Range<u32> {
+    let (first, count) = (map.first[pixel], map.count[pixel]);
+    let start = u64::from(first / PASS + pass) * u64::from(PASS);
+    let clamp = |n: u64| n.clamp(u64::from(first), u64::from(first) + u64::from(count)) as u32;
+    clamp(start)..clamp(start + u64::from(PASS))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn passes_are_cut_at_multiples_of_eight() {
+        let map = SampleMap { first: vec![0, 5, 8, 30], count: vec![20, 2, 9, 0] };
+        assert_eq!(count(&map), 3);
+        let of = |pixel| (0..3).map(|pass| samples(&map, pixel, pass)).collect::<Vec<_>>();
+        assert_eq!(of(0), [0..8, 8..16, 16..20]);
+        assert_eq!(of(1), [5..7, 7..7, 7..7]);
+        assert_eq!(of(2), [8..16, 16..17, 17..17]);
+        assert!(of(3).iter().all(Range::is_empty));
+    }
+
+    #[test]
+    fn a_map_without_samples_takes_no_pass() {
+        assert_eq!(count(&SampleMap::uniform(4, 3, 0)), 0);
+        assert_eq!(count(&SampleMap::uniform(0, 0, 8)), 0);
+    }
+}

@@ -1,0 +1,104 @@
+//! One path, from the camera to its end.
+
+use glam::Vec3;
+
+use super::direct::Surface;
+use super::path_state::{Departure, Path};
+use super::{TraceSettings, features, roulette};
+use crate::Ray;
+use crate::bsdf::Bsdf;
+use crate::film::SampleRecord;
+use crate::interaction::Interaction;
+use crate::light::Lights;
+use crate::sampler::{Decision, Stream};
+use crate::scene::Scene;
+
+/// Follows paths through a scene.
+#[derive(Debug)]
+pub struct PathTracer<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) lights: Lights<'a>,
+    pub(super) settings: TraceSettings,
+}
+
+impl<'a> PathTracer<'a> {
+    /// Prepares to follow paths through `scene`.
+    pub fn new(scene: &'a Scene, settings: &TraceSettings) -> Self {
+        Self { scene, lights: Lights::new(scene), settings: *settings }
+    }
+
+    /// Follows the path that begins with `camera_ray`, its decisions taken from `stream`. Returns what it recorded, and
+    /// how many rays it took. Radiance is unbiased but for paths longer than `max_depth`.
+    pub fn follow(&self, camera_ray: Ray, stream: &Stream) -> (SampleRecord, u64) {
+        let mut path = Path::new(camera_ray);
+        for bounce in 0..=self.settings.max_depth {
+            path.rays += 1;
+            let Some(hit) = self.scene.intersect(&path.ray) else {
+                self.leave_scene(&mut path, bounce);
+                break;
+            };
+            self.see_emitter(&mut path, &hit);
+            let bsdf = Bsdf::at(&hit);
+            let surface = Surface { hit: &hit, bsdf: &bsdf, bounce };
+            let goes_on = bounce < self.settings.max_depth;
+            let is_feature_hit = self.record_features(&mut path, &surface);
+            self.sample_direct(&mut path, &surface, stream, goes_on, is_feature_hit);
+            if !(goes_on && scatter(&mut path, &surface, stream) && self.survives(&mut path, bounce, stream)) {
+                break;
+            }
+        }
+        (path.record, path.rays)
+    }
+
+    /// The path meets nothing but the sky.
+    fn leave_scene(&self, path: &mut Path, bounce: u32) {
+        let direction = path.ray.direction;
+        let share = self.found_share(path.departure, |from| self.lights.sky_pdf(from.normal, direction));
+        path.add_emission(share * self.lights.sky_radiance());
+        if !path.settled {
+            path.set_features(features::of_miss(&path.ray, self.scene.bounds()), true, bounce == 0);
+        }
+    }
+
+    /// Adds what `hit` emits towards the path.
+    fn see_emitter(&self, path: &mut Path, hit: &Interaction) {
+        let Some(emitter) = hit.emitter else { return };
+        let share = self.found_share(path.departure, |_| self.lights.light_pdf(emitter, hit));
+        path.add_emission(share * self.lights.emitted(emitter, hit));
+    }
+
+    /// Records features until they are settled. Whether they are settled here: then the light sample taken here decides
+    /// on visibility.
+    fn record_features(&self, path: &mut Path, at: &Surface) -> bool {
+        if path.settled {
+            return false;
+        }
+        let settles = features::settle(path, at.bsdf, at.bounce, &self.settings);
+        path.set_features(features::of_surface(at.hit, at.bsdf), settles, at.bounce == 0);
+        settles
+    }
+
+    /// Plays Russian roulette, never before the features are settled: they must not depend on how dim a mirror is.
+    fn survives(&self, path: &mut Path, bounce: u32, stream: &Stream) -> bool {
+        if bounce < self.settings.roulette_depth || !path.settled {
+            return true;
+        }
+        let survival = roulette::survival(path.throughput.max_element() * path.eta_scale);
+        path.throughput /= survival;
+        survival >= 1.0 || stream.sample_1d(Decision::roulette(bounce)) < survival
+    }
+}
+
+/// Sends the path on from a surface. Whether it goes on: the light may be absorbed.
+fn scatter(path: &mut Path, at: &Surface, stream: &Stream) -> bool {
+    let choice = stream.sample_1d(Decision::lobe(at.bounce));
+    let Some(sample) = at.bsdf.sample_direction(choice, stream.sample_2d(Decision::direction(at.bounce))) else {
+        return false;
+    };
+    path.throughput *= sample.weight;
+    path.eta_scale *= sample.eta * sample.eta;
+    path.specular &= at.bsdf.is_specular();
+    path.departure = sample.pdf.map(|pdf| Departure { pdf, normal: at.bsdf.normal() });
+    path.ray = at.hit.spawn(sample.direction);
+    path.throughput != Vec3::ZERO
+}

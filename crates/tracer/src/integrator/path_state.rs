@@ -1,0 +1,67 @@
+//! A path while it is being followed.
+
+use glam::Vec3;
+
+use crate::Ray;
+use crate::film::{FeatureRecord, SampleRecord};
+
+/// How a path left its last surface, when other directions were possible too.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Departure {
+    /// Density per solid angle of the direction taken.
+    pub(super) pdf: f32,
+    /// The surface's normal, on the viewer's side.
+    pub(super) normal: Vec3,
+}
+
+/// A path while it is being followed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Path {
+    /// Its next segment.
+    pub(super) ray: Ray,
+    /// Radiance at the camera ÷ radiance along `ray`.
+    pub(super) throughput: Vec3,
+    /// Product of η² of the interfaces crossed: what `throughput` lost to them comes back when the path leaves again.
+    pub(super) eta_scale: f32,
+    /// `None` when light along `ray` can be found in no other way: straight from the camera, a mirror or glass.
+    pub(super) departure: Option<Departure>,
+    /// Whether all surfaces so far were perfect mirrors or clear glass.
+    pub(super) specular: bool,
+    /// Whether the features are final.
+    pub(super) settled: bool,
+    /// What has been found so far.
+    pub(super) record: SampleRecord,
+    /// Rays cast.
+    pub(super) rays: u64,
+}
+
+impl Path {
+    /// A path that begins with `ray`, at the camera.
+    pub(super) fn new(ray: Ray) -> Self {
+        Self {
+            ray,
+            throughput: Vec3::ONE,
+            eta_scale: 1.0,
+            departure: None,
+            specular: true,
+            settled: false,
+            record: SampleRecord::default(),
+            rays: 0,
+        }
+    }
+
+    /// Adds radiance that `ray` meets at its end.
+    #[inline]
+    pub(super) fn add_emission(&mut self, radiance: Vec3) {
+        let part = if self.specular { &mut self.record.emission } else { &mut self.record.scattered };
+        *part += self.throughput * radiance;
+    }
+
+    /// Records features; the depth is that of the first surface.
+    #[inline]
+    pub(super) fn set_features(&mut self, features: FeatureRecord, settled: bool, is_first: bool) {
+        let depth = if is_first { features.depth } else { self.record.features.depth };
+        self.record.features = FeatureRecord { depth, ..features };
+        self.settled = settled;
+    }
+}

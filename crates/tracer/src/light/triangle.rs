@@ -1,0 +1,41 @@
+//! A triangle that emits from one side, sampled uniformly over its area.
+
+use glam::{Vec2, Vec3};
+
+use super::LightSample;
+use crate::interaction::Interaction;
+use crate::sampler::warp::sample_triangle;
+use crate::scene::EmissiveTriangle;
+
+/// A point on `light` as seen from `from`; `None` behind it, in its plane, or on it.
+pub(super) fn sample(light: &EmissiveTriangle, from: &Interaction, u: Vec2) -> Option<LightSample> {
+    let weights = sample_triangle(u);
+    let corners = light.vertices;
+    let point = weights[0] * corners[0] + weights[1] * corners[1] + weights[2] * corners[2];
+    let span = point - from.position;
+    let distance = span.length();
+    let direction = span / distance;
+    let pdf = solid_angle_pdf(light, distance, -light.normal.dot(direction));
+    if !(pdf > 0.0 && pdf.is_finite()) {
+        return None;
+    }
+    let shadow_ray = from.spawn_to(point, light.normal, rounding(weights, corners));
+    Some(LightSample { direction, radiance: light.radiance, pdf, shadow_ray })
+}
+
+/// Density per solid angle with which the point `seen` of `light` is sampled from where the ray to it began.
+pub(super) fn pdf(light: &EmissiveTriangle, seen: &Interaction) -> f32 {
+    solid_angle_pdf(light, seen.distance, light.normal.dot(seen.outgoing))
+}
+
+/// 1/A per area, turned into solid angle at `distance` under `cosine` at the light.
+fn solid_angle_pdf(light: &EmissiveTriangle, distance: f32, cosine: f32) -> f32 {
+    if cosine > 0.0 { distance * distance / (cosine * light.area) } else { 0.0 }
+}
+
+/// Bound of the rounding error of a weighted sum of corners (pbrt-v4, section 6.8.5): γ₆ times the sum of magnitudes.
+fn rounding(weights: [f32; 3], corners: [Vec3; 3]) -> Vec3 {
+    const HALF_ULPS: f32 = 6.0 * 0.5 * f32::EPSILON;
+    const GAMMA: f32 = HALF_ULPS / (1.0 - HALF_ULPS);
+    GAMMA * (0..3).map(|i| (weights[i] * corners[i]).abs()).sum::<Vec3>()
+}

@@ -1,0 +1,54 @@
+//! Triangles that emit.
+
+use glam::Vec3;
+
+use super::instance::Placed;
+use super::mesh::IndexedMesh;
+use crate::material::Material;
+
+/// A triangle that emits on the side its normal points to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EmissiveTriangle {
+    /// Corners, in scene space.
+    pub vertices: [Vec3; 3],
+    /// Unit normal of the side that emits.
+    pub normal: Vec3,
+    /// Area, in squared scene units.
+    pub area: f32,
+    /// Emitted radiance, the same in all directions of that side.
+    pub radiance: Vec3,
+}
+
+/// Lists the emitters of `placed`, in the order of its mesh's emissive triangles.
+pub(super) fn emitters_of<'a>(
+    mesh: &'a IndexedMesh,
+    placed: &'a Placed,
+    materials: &'a [Material],
+) -> impl Iterator<Item = EmissiveTriangle> + 'a {
+    (0..mesh.mesh.triangles.len()).filter(|&t| emits(mesh, t, materials)).map(move |t| {
+        let vertices = placed.corners(mesh, t as u32);
+        let cross = placed.cross(vertices);
+        let normal = cross.normalize().as_vec3();
+        let radiance = materials[mesh.mesh.materials[t] as usize].emission;
+        EmissiveTriangle { vertices, normal, area: (0.5 * cross.length()) as f32, radiance }
+    })
+}
+
+/// Whether triangle `triangle` of `mesh` emits.
+fn emits(mesh: &IndexedMesh, triangle: usize, materials: &[Material]) -> bool {
+    materials[mesh.mesh.materials[triangle] as usize].emission != Vec3::ZERO
+}
+
+/// For each triangle of `mesh` its rank among those that emit; `u32::MAX` for the others. Empty when none does.
+pub(super) fn ranks(mesh: &IndexedMesh, materials: &[Material]) -> Vec<u32> {
+    let mut next = 0;
+    let rank = |triangle| {
+        if !emits(mesh, triangle, materials) {
+            return u32::MAX;
+        }
+        next += 1;
+        next - 1
+    };
+    let ranks: Vec<u32> = (0..mesh.mesh.triangles.len()).map(rank).collect();
+    if ranks.iter().all(|&r| r == u32::MAX) { vec![] } else { ranks }
+}

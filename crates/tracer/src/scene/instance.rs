@@ -1,0 +1,112 @@
+//! Meshes standing in the scene.
+
+use glam::{DVec3, Vec3};
+
+use super::emitters::{EmissiveTriangle, emitters_of, ranks};
+use super::mesh::{IndexedMesh, Mesh};
+use super::{Bounds, Placement};
+use crate::bvh::WideBvh;
+use crate::material::Material;
+
+/// A mesh standing in the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Instance {
+    /// Index of the mesh.
+    pub mesh: usize,
+    /// Where it stands.
+    pub placement: Placement,
+}
+
+/// A mesh standing in the scene, ready for rays.
+#[derive(Debug)]
+pub(super) struct Placed {
+    pub(super) mesh: usize,
+    /// `None` when the mesh is in scene space already.
+    pub(super) placement: Option<Placement>,
+    pub(super) bounds: Bounds,
+    /// For each triangle its index among the scene's emitters; `u32::MAX` for none. Empty when none emits.
+    pub(super) emitters: Vec<u32>,
+}
+
+impl Placed {
+    /// Corners of a triangle, in scene space.
+    #[inline]
+    pub(super) fn corners(&self, mesh: &IndexedMesh, triangle: u32) -> [Vec3; 3] {
+        let corners = mesh.mesh.corners(triangle);
+        self.placement.as_ref().map_or(corners, |placement| corners.map(|c| placement.point(c)))
+    }
+
+    /// Twice the area times the unit normal, on the side of the winding in the mesh's own space: a mirrored mesh keeps
+    /// its outside outside.
+    #[inline]
+    pub(super) fn cross(&self, corners: [Vec3; 3]) -> DVec3 {
+        let cross = cross(corners);
+        if self.placement.is_some_and(|p| p.is_mirrored()) { -cross } else { cross }
+    }
+}
+
+/// Twice the area times the unit normal of a triangle; in f64 so that no size over- or underflows.
+#[inline]
+pub(super) fn cross(corners: [Vec3; 3]) -> DVec3 {
+    let [a, b, c] = corners.map(|v| v.as_dvec3());
+    (b - a).cross(c - a)
+}
+
+/// A mesh and where it stands; nowhere in particular when it is in scene space already.
+pub(super) type Stand = (usize, Option<Placement>);
+
+/// Merges all meshes that stand in the scene once into the first mesh returned.
+pub(super) fn merge_single(mut meshes: Vec<Mesh>, instances: &[Instance]) -> (Vec<Mesh>, Vec<Stand>) {
+    let mut uses = vec![0; meshes.len()];
+    instances.iter().for_each(|instance| uses[instance.mesh] += 1);
+    let mut merged = Mesh::default();
+    for instance in instances.iter().filter(|i| uses[i.mesh] == 1) {
+        merged.append(std::mem::take(&mut meshes[instance.mesh]).moved(&instance.placement));
+    }
+    let shared = instances.iter().filter(|i| uses[i.mesh] > 1);
+    let mut stands = vec![(0, None)];
+    stands.extend(shared.map(|i| (i.mesh + 1, Some(i.placement))));
+    meshes.insert(0, merged);
+    (meshes, stands)
+}
+
+/// Prepares meshes where they stand, without those that are empty, and lists all emitters.
+pub(super) fn place(
+    meshes: &[IndexedMesh],
+    stands: &[Stand],
+    materials: &[Material],
+) -> (Vec<Placed>, Vec<EmissiveTriangle>) {
+    let (mut all, mut emitters) = (vec![], vec![]);
+    for &(index, placement) in stands {
+        let mesh = &meshes[index];
+        if mesh.tree.is_none() {
+            continue;
+        }
+        let at = |p: &Vec3| placement.as_ref().map_or(*p, |placement| placement.point(*p));
+        let bounds = Bounds::of(mesh.used_positions().map(at));
+        let first = emitters.len() as u32;
+        let shift = |rank: u32| if rank == u32::MAX { rank } else { first + rank };
+        let ranks = ranks(mesh, materials).into_iter().map(shift).collect();
+        let placed = Placed { mesh: index, placement, bounds, emitters: ranks };
+        emitters.extend(emitters_of(mesh, &placed, materials));
+        all.push(placed);
+    }
+    (all, emitters)
+}
+
+/// A tree over meshes where they stand.
+#[derive(Debug)]
+pub(super) struct InstanceTree {
+    pub(super) boxes: WideBvh,
+    /// Which of the placed meshes each leaf holds.
+    pub(super) leaves: Vec<usize>,
+}
+
+impl InstanceTree {
+    /// Builds the tree, when there is more than one to choose from.
+    pub(super) fn build(placed: &[Placed]) -> Option<Self> {
+        let boxes: Vec<Bounds> = placed.iter().map(|p| p.bounds).collect();
+        let (boxes, leaves) = if boxes.len() > 1 { WideBvh::build(&boxes, 1)? } else { return None };
+        Some(Self { boxes, leaves: leaves.iter().map(|members| members[0] as usize).collect() })
+    }
+}

@@ -1,0 +1,141 @@
+//! Triangles with what their corners know.
+
+use glam::{Vec2, Vec3};
+
+use super::instance::cross;
+use super::{Instance, Placement, SceneError};
+use crate::bvh::TriangleBvh;
+
+/// Triangles over shared vertices.
+#[derive(Clone, Debug, Default)]
+pub struct Mesh {
+    /// Where the vertices are.
+    pub positions: Vec<Vec3>,
+    /// A normal per vertex, of any length; zero where a vertex has none. Empty when no vertex has one.
+    pub normals: Vec<Vec3>,
+    /// Texture coordinates per vertex. Empty when no vertex has any.
+    pub uvs: Vec<Vec2>,
+    /// Vertices of each triangle, counter-clockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+    /// Material of each triangle.
+    pub materials: Vec<u32>,
+}
+
+/// Triangles dropped because no ray could hit them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Dropped {
+    /// Those without area.
+    pub degenerate: usize,
+    /// Those with a coordinate that is NaN, infinite or too large to compute with.
+    pub not_finite: usize,
+}
+
+/// Coordinates beyond this magnitude overflow f32 in differences and sums of products with unit vectors.
+const GREATEST_COORDINATE: f32 = f32::MAX / 16.0;
+
+impl Mesh {
+    /// Corners of a triangle.
+    #[inline]
+    pub(super) fn corners(&self, triangle: u32) -> [Vec3; 3] {
+        self.triangles[triangle as usize].map(|v| self.positions[v as usize])
+    }
+
+    /// The mesh with its vertices where `placement` puts them. A mirrored mesh is wound the other way round, so that
+    /// its outside stays outside.
+    pub(super) fn moved(mut self, placement: &Placement) -> Self {
+        if *placement == Placement::IDENTITY {
+            return self;
+        }
+        self.positions.iter_mut().for_each(|p| *p = placement.point(*p));
+        self.normals.iter_mut().for_each(|n| *n = placement.normal(*n).normalize_or_zero());
+        if placement.is_mirrored() {
+            self.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        }
+        self
+    }
+
+    /// Adds another mesh's triangles.
+    pub(super) fn append(&mut self, mut other: Self) {
+        let first = self.positions.len() as u32;
+        if !(self.normals.is_empty() && other.normals.is_empty()) {
+            self.normals.resize(self.positions.len(), Vec3::ZERO);
+            other.normals.resize(other.positions.len(), Vec3::ZERO);
+        }
+        if !(self.uvs.is_empty() && other.uvs.is_empty()) {
+            self.uvs.resize(self.positions.len(), Vec2::ZERO);
+            other.uvs.resize(other.positions.len(), Vec2::ZERO);
+        }
+        self.positions.append(&mut other.positions);
+        self.normals.append(&mut other.normals);
+        self.uvs.append(&mut other.uvs);
+        self.triangles.extend(other.triangles.iter().map(|t| t.map(|v| v + first)));
+        self.materials.append(&mut other.materials);
+    }
+
+    /// Drops triangles no ray can hit.
+    fn clean(&mut self, dropped: &mut Dropped) {
+        let verdict = |t: u32| {
+            let corners = self.corners(t);
+            if !corners.iter().all(|c| c.abs().cmple(Vec3::splat(GREATEST_COORDINATE)).all()) {
+                dropped.not_finite += 1;
+                return false;
+            }
+            let sound = cross(corners).length_squared() > 0.0;
+            dropped.degenerate += usize::from(!sound);
+            sound
+        };
+        let keep: Vec<bool> = (0..self.triangles.len() as u32).map(verdict).collect();
+        let mut kept = keep.iter();
+        self.triangles.retain(|_| kept.next() == Some(&true));
+        let mut kept = keep.iter();
+        self.materials.retain(|_| kept.next() == Some(&true));
+    }
+}
+
+/// A mesh with a tree over its triangles.
+#[derive(Debug)]
+pub(super) struct IndexedMesh {
+    pub(super) mesh: Mesh,
+    /// `None` when there are no triangles.
+    pub(super) tree: Option<TriangleBvh>,
+}
+
+impl IndexedMesh {
+    /// Drops and counts useless triangles, then builds the tree.
+    pub(super) fn build(mut mesh: Mesh, dropped: &mut Dropped) -> Self {
+        mesh.clean(dropped);
+        let tree = TriangleBvh::build(mesh.triangles.len() as u32, |t| mesh.corners(t));
+        Self { mesh, tree }
+    }
+
+    /// Positions that triangles use.
+    pub(super) fn used_positions(&self) -> impl Iterator<Item = &Vec3> {
+        self.mesh.triangles.iter().flatten().map(|&v| &self.mesh.positions[v as usize])
+    }
+}
+
+/// Checks that every index points to something.
+pub(super) fn check(meshes: &[Mesh], instances: &[Instance], materials: usize) -> Result<(), SceneError> {
+    let bad = |what, index: usize, count| Err(SceneError::BadIndex { what, index, count });
+    if let Some(i) = instances.iter().find(|i| i.mesh >= meshes.len()) {
+        return bad("mesh", i.mesh, meshes.len());
+    }
+    for mesh in meshes {
+        let vertices = mesh.positions.len();
+        if let Some(&v) = mesh.triangles.iter().flatten().find(|&&v| v as usize >= vertices) {
+            return bad("vertex", v as usize, vertices);
+        }
+        if let Some(&m) = mesh.materials.iter().find(|&&m| m as usize >= materials) {
+            return bad("material", m as usize, materials);
+        }
+        if mesh.materials.len() != mesh.triangles.len() {
+            return bad("material of triangle", mesh.materials.len(), mesh.triangles.len());
+        }
+        for (what, count) in [("normal", mesh.normals.len()), ("texture coordinate", mesh.uvs.len())] {
+            if count != 0 && count != vertices {
+                return bad(what, count, vertices);
+            }
+        }
+    }
+    Ok(())
+}

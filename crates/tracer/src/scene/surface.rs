@@ -1,0 +1,65 @@
+//! What a hit triangle looks like at the hit.
+
+use glam::{Vec2, Vec3};
+
+use super::Scene;
+use super::instance::Placed;
+use super::mesh::Mesh;
+use crate::Ray;
+use crate::bvh::TriangleHit;
+use crate::interaction::Interaction;
+
+/// γ₇ of pbrt-v4, section 6.8.5: relative error of a barycentric sum.
+const GAMMA_7: f32 = 3.5 * f32::EPSILON / (1.0 - 3.5 * f32::EPSILON);
+
+impl Scene {
+    /// The surface at a hit on `placed`.
+    pub(super) fn interaction(&self, ray: &Ray, placed: usize, hit: &TriangleHit) -> Interaction<'_> {
+        let placed = &self.placed[placed];
+        let indexed = &self.meshes[placed.mesh];
+        let mesh = &indexed.mesh;
+        let corners = placed.corners(indexed, hit.triangle);
+        let weighted: [Vec3; 3] = std::array::from_fn(|i| hit.barycentric[i] * corners[i]);
+        let geometric_normal = placed.cross(corners).normalize().as_vec3();
+        Interaction {
+            position: weighted[0] + weighted[1] + weighted[2],
+            position_error: GAMMA_7 * (weighted[0].abs() + weighted[1].abs() + weighted[2].abs()),
+            geometric_normal,
+            shading_normal: shading_normal(mesh, placed, hit, geometric_normal),
+            uv: uv(mesh, hit),
+            outgoing: -ray.direction,
+            distance: hit.distance,
+            time: ray.time,
+            emitter: placed.emitters.get(hit.triangle as usize).copied().filter(|&e| e != u32::MAX),
+            material: &self.materials[mesh.materials[hit.triangle as usize] as usize],
+        }
+    }
+}
+
+/// Sum of what the triangle's vertices have, by barycentric weight.
+fn interpolate<T>(of_vertices: &[T], mesh: &Mesh, hit: &TriangleHit) -> T
+where
+    T: Copy + std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>,
+{
+    let [a, b, c] = mesh.triangles[hit.triangle as usize].map(|v| of_vertices[v as usize]);
+    let [u, v, w] = hit.barycentric;
+    a * u + b * v + c * w
+}
+
+/// Interpolated normal on the side of the geometric one; the geometric one where vertices have none.
+fn shading_normal(mesh: &Mesh, placed: &Placed, hit: &TriangleHit, geometric: Vec3) -> Vec3 {
+    if mesh.normals.is_empty() {
+        return geometric;
+    }
+    let own = interpolate(&mesh.normals, mesh, hit);
+    let there = placed.placement.as_ref().map_or(own, |placement| placement.normal(own));
+    match there.try_normalize() {
+        Some(normal) if normal.dot(geometric) > 0.0 => normal,
+        Some(normal) if normal.dot(geometric) < 0.0 => -normal,
+        _ => geometric,
+    }
+}
+
+fn uv(mesh: &Mesh, hit: &TriangleHit) -> Vec2 {
+    if mesh.uvs.is_empty() { Vec2::ZERO } else { interpolate(&mesh.uvs, mesh, hit) }
+}
