@@ -5,13 +5,17 @@ mod emitters;
 mod error;
 mod instance;
 mod mesh;
+mod mtl;
+mod notes;
+mod obj;
+mod source;
 mod surface;
 
 use glam::Vec3;
 
 pub use crate::bvh::{Bounds, Placement};
 pub use emitters::EmissiveTriangle;
-pub use error::SceneError;
+pub use error::{Place, SceneError};
 pub use instance::Instance;
 pub use mesh::{Dropped, Mesh};
 
