@@ -9,7 +9,8 @@ use super::lanes::{Lanes, MOST_LANES};
 /// Features are promised within [−1, 1]; a stray value beyond this bound is drawn in, so that no square overflows.
 const LARGEST_FEATURE: f32 = 1e4;
 
-/// All planes of the input, each row framed by zeros wide enough for the windows of pixels outside the picture too.
+/// All planes of the input. Each row is framed by copies of its outermost pixels, wide enough that the windows of the
+/// pixels worked on side by side never leave it.
 #[derive(Debug)]
 pub(crate) struct Field {
     pub(crate) size: Size,
@@ -49,9 +50,9 @@ impl Field {
 
     fn fill(&mut self, plane: usize, from: &[f32], value: impl Fn(f32) -> f32) {
         for (y, row) in from.chunks_exact(self.size.width.max(1)).enumerate() {
-            let start = self.start_of(plane, y) + self.radius;
-            for (to, from) in self.values[start..].iter_mut().zip(row) {
-                *to = value(*from);
+            let start = self.start_of(plane, y);
+            for (x, to) in self.values[start..start + self.stride].iter_mut().enumerate() {
+                *to = value(row[x.saturating_sub(self.radius).min(row.len() - 1)]);
             }
         }
     }

@@ -6,7 +6,7 @@ use super::bandwidth::Projection;
 use super::cholesky::{factor, first_row_of_inverse};
 use super::field::Field;
 use super::lanes::{Lanes, Mask};
-use super::matrix::add_gram;
+use super::normal_equations::NormalEquations;
 use super::window::Window;
 
 stack::knobs! {
@@ -17,9 +17,6 @@ stack::knobs! {
         ridge: f32 = 1e-5, 1e-7..=1.0;
     }
 }
-
-/// Rows gathered before they are added to the normal equations.
-const BLOCK: usize = 16;
 
 /// The estimate of the pixels worked on side by side.
 #[derive(Clone, Copy, Debug)]
@@ -49,8 +46,7 @@ pub(crate) struct LocalLinear<S: Simd> {
     /// 1/(h b_j).
     narrow: Vec<Lanes<S>>,
     inverse_row: Vec<Lanes<S>>,
-    rows: Vec<Lanes<S>>,
-    normal: Vec<Lanes<S>>,
+    normal: NormalEquations<S>,
 }
 
 impl<S: Simd> LocalLinear<S> {
@@ -58,15 +54,14 @@ impl<S: Simd> LocalLinear<S> {
     pub(crate) fn new(simd: S, field: &Field) -> Self {
         let zeros = |n| vec![Lanes::splat(simd, 0.0); n];
         let most = field.features.next_multiple_of(2).max(2);
-        let (width, neighbours) = (most + 2, field.columns() * (2 * field.radius + 1));
+        let neighbours = field.columns() * (2 * field.radius + 1);
         Self {
             simd,
             near: Vec::with_capacity(neighbours),
             kernel: Vec::with_capacity(neighbours),
             narrow: zeros(most),
             inverse_row: zeros(most + 1),
-            rows: Vec::with_capacity(BLOCK * width),
-            normal: zeros(width * width),
+            normal: NormalEquations::with_capacity(simd, most + 2),
         }
     }
 
@@ -86,9 +81,10 @@ impl<S: Simd> LocalLinear<S> {
         for j in 0..rank {
             self.narrow[j] = one / (projection.shared * factors[j]);
         }
+        self.normal.begin((rank + 1).next_multiple_of(2));
         self.add_neighbours(field, window, projection, rank);
         // The pixel itself always weighs 1.
-        let accompanied = one.less_than(self.normal[0]);
+        let accompanied = one.less_than(self.normal.matrix[0]);
         self.find_kernel(projection, rank, settings.ridge);
         (self.apply_kernel(field, window), accompanied.not())
     }
@@ -97,11 +93,8 @@ impl<S: Simd> LocalLinear<S> {
     #[inline(always)]
     fn add_neighbours(&mut self, field: &Field, window: &Window<S>, projection: &Projection<S>, rank: usize) {
         let (zero, one) = (Lanes::splat(self.simd, 0.0), Lanes::splat(self.simd, 1.0));
-        let width = (rank + 1).next_multiple_of(2);
-        self.normal[..width * width].fill(zero);
         self.near.clear();
         self.kernel.clear();
-        self.rows.clear();
         for row in 0..window.rows.len() {
             for (column, inside) in window.inside.iter().enumerate() {
                 let index = row * field.columns() + column;
@@ -110,41 +103,30 @@ impl<S: Simd> LocalLinear<S> {
                 for (z, narrow) in z.iter().zip(&self.narrow) {
                     weight = weight * (one - (*z * *narrow).squared()).positive_part();
                 }
-                if !zero.less_than(weight).any() {
-                    continue;
-                }
-                self.near.push(index);
-                self.kernel.push(weight);
-                let root = weight.sqrt();
-                self.rows.push(root);
-                for (z, narrow) in z.iter().zip(&self.narrow) {
-                    self.rows.push(root * (*z * *narrow));
-                }
-                self.rows.resize(self.rows.len().next_multiple_of(width), zero);
-                if self.rows.len() == BLOCK * width {
-                    self.add_rows(width);
+                if zero.less_than(weight).any() {
+                    self.near.push(index);
+                    self.kernel.push(weight);
+                    let to = self.normal.next_row();
+                    let root = weight.sqrt();
+                    to[0] = root;
+                    for ((to, z), narrow) in to[1..].iter_mut().zip(z).zip(&self.narrow) {
+                        *to = root * (*z * *narrow);
+                    }
+                    to[rank + 1..].fill(zero);
                 }
             }
         }
-        self.add_rows(width);
-    }
-
-    #[inline(always)]
-    fn add_rows(&mut self, width: usize) {
-        add_gram(self.simd, &mut self.normal[..width * width], &self.rows, width);
-        self.rows.clear();
+        self.normal.finish();
     }
 
     /// Turns weights into the equivalent kernel l_i = w_i (a₀ + Σ a_j u_ij), a being the first row of the inverse.
     #[inline(always)]
     fn find_kernel(&mut self, projection: &Projection<S>, rank: usize, ridge: f32) {
-        let (unknowns, width) = (rank + 1, (rank + 1).next_multiple_of(2));
-        let ridge = self.normal[0] * ridge;
-        for j in 1..unknowns {
-            self.normal[j * width + j] += ridge;
-        }
-        factor(self.simd, &mut self.normal[..unknowns * width], unknowns, width, ridge);
-        first_row_of_inverse(self.simd, &self.normal, unknowns, width, &mut self.inverse_row);
+        let (unknowns, width) = (rank + 1, self.normal.width);
+        let ridge = self.normal.matrix[0] * ridge;
+        self.normal.add_ridge(1..unknowns, ridge);
+        factor(self.simd, &mut self.normal.matrix[..unknowns * width], unknowns, width, ridge);
+        first_row_of_inverse(self.simd, &self.normal.matrix, unknowns, width, &mut self.inverse_row);
         for j in 0..rank {
             self.inverse_row[j + 1] = self.inverse_row[j + 1] * self.narrow[j];
         }

@@ -1,11 +1,20 @@
 //! Products of tall, thin matrices, the bulk of the regression's arithmetic.
 //!
-//! Matrices are row-major. Widths are even, so that tiles of two columns cover them; callers pad with zeros, which
-//! change no sum. A tile keeps its sums in registers while it walks down the rows.
+//! Matrices are row-major. Widths and numbers of rows are even; callers pad with zeros, which change no sum. A tile
+//! keeps two rows' sums in registers while it walks along the dimension that is summed over.
 
 use pulp::Simd;
 
 use super::lanes::Lanes;
+
+/// Width of the next tile when `rest` columns, an even number, remain: 6 and 4 keep the most sums in registers.
+const fn tile_width(rest: usize) -> usize {
+    match rest {
+        6 | 10.. => 6,
+        4.. => 4,
+        _ => 2,
+    }
+}
 
 /// Adds XᵀX to `gram`, where X is `rows`, cut into rows of `columns` numbers.
 ///
@@ -15,16 +24,19 @@ pub(crate) fn add_gram<S: Simd>(simd: S, gram: &mut [Lanes<S>], rows: &[Lanes<S>
     for i in (0..columns).step_by(2) {
         let mut j = i;
         while j < columns {
-            j += match columns - j {
-                6 | 10.. => add_gram_tile::<S, 6>(simd, gram, rows, columns, i, j),
-                4.. => add_gram_tile::<S, 4>(simd, gram, rows, columns, i, j),
-                _ => add_gram_tile::<S, 2>(simd, gram, rows, columns, i, j),
-            };
+            let width = tile_width(columns - j);
+            let to = &mut gram[i * columns + j..];
+            match width {
+                6 => add_gram_tile::<S, 6>(simd, to, rows, columns, i, j),
+                4 => add_gram_tile::<S, 4>(simd, to, rows, columns, i, j),
+                _ => add_gram_tile::<S, 2>(simd, to, rows, columns, i, j),
+            }
+            j += width;
         }
     }
 }
 
-/// The tile of rows i, i + 1 and columns j … j + `WIDTH` − 1; returns its width.
+/// The tile whose rows belong to columns i, i + 1 of X and whose columns to j … j + `WIDTH` − 1.
 #[inline(always)]
 fn add_gram_tile<S: Simd, const WIDTH: usize>(
     simd: S,
@@ -33,7 +45,7 @@ fn add_gram_tile<S: Simd, const WIDTH: usize>(
     columns: usize,
     i: usize,
     j: usize,
-) -> usize {
+) {
     let mut sums = [[Lanes::splat(simd, 0.0); WIDTH]; 2];
     for row in rows.chunks_exact(columns) {
         let (left, right) = (&row[i..i + 2], &row[j..j + WIDTH]);
@@ -43,16 +55,14 @@ fn add_gram_tile<S: Simd, const WIDTH: usize>(
         }
     }
     for (below, sums) in sums.iter().enumerate() {
-        let to = &mut gram[(i + below) * columns + j..][..WIDTH];
+        let to = &mut gram[below * columns..][..WIDTH];
         for w in 0..WIDTH {
             to[w] += sums[w];
         }
     }
-    WIDTH
 }
 
 /// Writes X·M to `product`, where X is `rows`, cut into rows of `inner` numbers, and `matrix` is M, `inner` × `columns`.
-/// The number of rows is a multiple of 4.
 #[inline(always)]
 pub(crate) fn multiply<S: Simd>(
     simd: S,
@@ -62,34 +72,39 @@ pub(crate) fn multiply<S: Simd>(
     matrix: &[Lanes<S>],
     columns: usize,
 ) {
-    for (to, from) in product.chunks_exact_mut(4 * columns).zip(rows.chunks_exact(4 * inner)) {
-        for j in (0..columns).step_by(2) {
-            let tile = multiply_tile(simd, from, inner, &matrix[j..], columns);
-            for (row, values) in tile.iter().enumerate() {
-                to[row * columns + j] = values[0];
-                to[row * columns + j + 1] = values[1];
+    for (to, from) in product.chunks_exact_mut(2 * columns).zip(rows.chunks_exact(2 * inner)) {
+        let mut j = 0;
+        while j < columns {
+            let width = tile_width(columns - j);
+            match width {
+                6 => multiply_tile::<S, 6>(simd, to, from, matrix, columns, j),
+                4 => multiply_tile::<S, 4>(simd, to, from, matrix, columns, j),
+                _ => multiply_tile::<S, 2>(simd, to, from, matrix, columns, j),
             }
+            j += width;
         }
     }
 }
 
-/// Four rows times the first two columns of `matrix`.
+/// Two rows of the product, columns j … j + `WIDTH` − 1.
 #[inline(always)]
-fn multiply_tile<S: Simd>(
+fn multiply_tile<S: Simd, const WIDTH: usize>(
     simd: S,
+    product: &mut [Lanes<S>],
     rows: &[Lanes<S>],
-    inner: usize,
     matrix: &[Lanes<S>],
     columns: usize,
-) -> [[Lanes<S>; 2]; 4] {
-    let row = [&rows[..inner], &rows[inner..2 * inner], &rows[2 * inner..3 * inner], &rows[3 * inner..4 * inner]];
-    let mut sums = [[Lanes::splat(simd, 0.0); 2]; 4];
-    for f in 0..inner {
-        let pair = &matrix[f * columns..][..2];
-        for r in 0..4 {
-            sums[r][0] += row[r][f] * pair[0];
-            sums[r][1] += row[r][f] * pair[1];
+    j: usize,
+) {
+    let mut sums = [[Lanes::splat(simd, 0.0); WIDTH]; 2];
+    let (first, second) = rows.split_at(rows.len() / 2);
+    for ((a, b), factors) in first.iter().zip(second).zip(matrix.chunks_exact(columns)) {
+        let factors = &factors[j..j + WIDTH];
+        for w in 0..WIDTH {
+            sums[0][w] += *a * factors[w];
+            sums[1][w] += *b * factors[w];
         }
     }
-    sums
+    product[j..j + WIDTH].copy_from_slice(&sums[0]);
+    product[columns + j..columns + j + WIDTH].copy_from_slice(&sums[1]);
 }

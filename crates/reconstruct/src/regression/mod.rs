@@ -12,6 +12,7 @@ mod field;
 mod lanes;
 mod local_linear;
 mod matrix;
+mod normal_equations;
 mod reduce;
 mod robust_pca;
 mod row;

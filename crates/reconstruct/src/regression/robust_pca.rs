@@ -6,6 +6,8 @@
 //! (multiply by a small matrix, clip, add to a Gram matrix) and one small eigenproblem; no singular vectors of the tall
 //! side and no Y are ever formed.
 
+use std::ops::Range;
+
 use pulp::Simd;
 
 use super::lanes::{Lanes, Mask};
@@ -38,8 +40,11 @@ stack::knob_choice! {
 const GROWTH: f32 = 1.5;
 /// Inverse of the first μ, in units of ‖D‖₂.
 const FIRST_THRESHOLD: f32 = 0.8;
+/// Eigenvectors of XᵀX are found to within this share of the squared threshold: what stays mixed moves A by at most half
+/// as much.
+const RESOLUTION: f32 = 1e-3;
 /// Rows worked on between two updates of the Gram matrix: few enough to stay in the nearest cache.
-const BLOCK: usize = 16;
+const BLOCK: usize = 12;
 
 /// What [`RobustPca::decompose`] needs to know beside its matrix.
 #[derive(Clone, Copy, Debug)]
@@ -68,8 +73,16 @@ pub(crate) struct RobustPca<S: Simd> {
     target: Vec<Lanes<S>>,
     sparse: Vec<Lanes<S>>,
     low: Vec<Lanes<S>>,
-    gram: Vec<Lanes<S>>,
+    /// Indices of the directions that the low-rank step keeps, and how much of each.
+    kept: Vec<usize>,
+    rank: usize,
+    factors: Vec<Lanes<S>>,
+    /// V_r, f V_rᵀ, their product P, and X·V_r.
+    onto: Vec<Lanes<S>>,
+    back: Vec<Lanes<S>>,
     shrink: Vec<Lanes<S>>,
+    coordinates: Vec<Lanes<S>>,
+    gram: Vec<Lanes<S>>,
     eigen: Eigen<S>,
 }
 
@@ -88,8 +101,14 @@ impl<S: Simd> RobustPca<S> {
             target: Vec::with_capacity(rows.next_multiple_of(4) * width),
             sparse: Vec::with_capacity(rows.next_multiple_of(4) * width),
             low: zeros(BLOCK * width),
-            gram: zeros(width * width),
+            kept: Vec::with_capacity(width),
+            rank: 2,
+            factors: zeros(width),
+            onto: zeros(width * width),
+            back: zeros(width * width),
             shrink: zeros(width * width),
+            coordinates: zeros(BLOCK * width),
+            gram: zeros(width * width),
             eigen: Eigen::with_capacity(simd, width),
         }
     }
@@ -106,7 +125,7 @@ impl<S: Simd> RobustPca<S> {
         self.eigen.start(width, labels, all);
         self.clear_gram();
         add_gram(self.simd, &mut self.gram[..width * width], &self.data, width);
-        self.eigen.solve(&self.gram[..width * width]);
+        self.eigen.solve(&self.gram[..width * width], zero);
     }
 
     /// The plain singular value decomposition of D, for comparison: A = D, and nothing is known about E.
@@ -139,7 +158,7 @@ impl<S: Simd> RobustPca<S> {
 
         let mut running = Lanes::splat(self.simd, 0.0).less_than(spectral);
         for iteration in 1..=schedule.iterations {
-            self.eigen.solve(&self.gram[..width * width]);
+            self.eigen.solve(&self.gram[..width * width], threshold.squared() * RESOLUTION);
             self.record(threshold, running);
             if iteration == schedule.iterations && schedule.order == Order::SparseFirst {
                 break;
@@ -187,13 +206,12 @@ impl<S: Simd> RobustPca<S> {
             largest = largest.max(value.abs());
         }
         let c = threshold * spectral.max(largest / lambda).reciprocal_or_zero() + 1.0;
-        self.target.clear();
-        self.sparse.clear();
-        for value in &self.data {
-            let scaled = *value * c;
-            let kept = if order == Order::SparseFirst { scaled.clip(lambda * threshold) } else { scaled };
-            self.target.push(kept);
-            self.sparse.push(scaled - kept);
+        self.target.resize(self.data.len(), zero);
+        self.sparse.resize(self.data.len(), zero);
+        for ((d, x), e) in self.data.iter().zip(&mut self.target).zip(&mut self.sparse) {
+            let scaled = *d * c;
+            *x = if order == Order::SparseFirst { scaled.clip(lambda * threshold) } else { scaled };
+            *e = scaled - *x;
         }
         self.clear_gram();
         add_gram(self.simd, &mut self.gram[..self.width * self.width], &self.target, self.width);
@@ -217,24 +235,44 @@ impl<S: Simd> RobustPca<S> {
         }
     }
 
-    /// P = Σ max(0, 1 − threshold/σ_j) v_j v_jᵀ.
+    /// Prepares the low-rank step A = X·V_r·(f V_rᵀ), where f_j = max(0, 1 − threshold/σ_j) and V_r holds the
+    /// directions in which f is positive in any lane.
     #[inline(always)]
     fn find_shrink(&mut self, threshold: Lanes<S>) {
         let (n, zero) = (self.width, Lanes::splat(self.simd, 0.0));
-        self.shrink[..n * n].fill(zero);
+        self.kept.clear();
         for j in 0..n {
             let strength = self.eigen.values[j].sqrt();
-            let factor = (strength - threshold).positive_part() * strength.reciprocal_or_zero();
-            if !zero.less_than(factor).any() {
-                continue;
+            self.factors[j] = (strength - threshold).positive_part() * strength.reciprocal_or_zero();
+            if zero.less_than(self.factors[j]).any() {
+                self.kept.push(j);
             }
-            let vector = &self.eigen.vectors[j * n..][..n];
+        }
+        let rank = self.kept.len().next_multiple_of(2).max(2);
+        self.rank = rank;
+        for place in 0..rank {
             for i in 0..n {
-                let weighted = vector[i] * factor;
-                for (to, other) in self.shrink[i * n..][..n].iter_mut().zip(vector) {
-                    *to += weighted * *other;
-                }
+                let (value, factor) =
+                    self.kept.get(place).map_or((zero, zero), |j| (self.eigen.vectors[j * n + i], self.factors[*j]));
+                self.onto[i * rank + place] = value;
+                self.back[place * n + i] = value * factor;
             }
+        }
+        multiply(self.simd, &mut self.shrink[..n * n], &self.onto[..n * rank], rank, &self.back[..rank * n], n);
+    }
+
+    /// A, for the rows `target` of X: by way of V_r while that is cheaper than multiplying by P.
+    #[inline(always)]
+    fn shrink(&mut self, block: Range<usize>) {
+        let (simd, n, rank) = (self.simd, self.width, self.rank);
+        let target = &self.target[block];
+        let low = &mut self.low[..target.len()];
+        if 2 * rank < n {
+            let coordinates = &mut self.coordinates[..target.len() / n * rank];
+            multiply(simd, coordinates, target, n, &self.onto[..n * rank], rank);
+            multiply(simd, low, coordinates, rank, &self.back[..rank * n], n);
+        } else {
+            multiply(simd, low, target, n, &self.shrink[..n * n], n);
         }
     }
 
@@ -244,15 +282,16 @@ impl<S: Simd> RobustPca<S> {
     fn update(&mut self, order: Order, limit: Lanes<S>, running: Mask<S>) -> Lanes<S> {
         let (width, simd) = (self.width, self.simd);
         let mut residual = Lanes::splat(simd, 0.0);
-        self.gram[..width * width].fill(residual);
-        let shrink = &self.shrink[..width * width];
-        let blocks = self.data.chunks(BLOCK * width).zip(self.target.chunks_mut(BLOCK * width));
-        for ((data, target), sparse) in blocks.zip(self.sparse.chunks_mut(BLOCK * width)) {
-            let low = &mut self.low[..data.len()];
-            multiply(simd, low, target, width, shrink, width);
+        let moving = running.select(Lanes::splat(simd, 1.0), residual);
+        self.clear_gram();
+        for start in (0..self.data.len()).step_by(BLOCK * width) {
+            let block = start..(start + BLOCK * width).min(self.data.len());
+            self.shrink(block.clone());
+            let (data, target) = (&self.data[block.clone()], &mut self.target[block.clone()]);
+            let (low, sparse) = (&self.low[..data.len()], &mut self.sparse[block]);
             residual += match order {
-                Order::SparseFirst => sparse_first(simd, data, low, target, sparse, limit * (1.0 / GROWTH), running),
-                Order::LowRankFirst => low_rank_first(simd, data, low, target, sparse, limit, running),
+                Order::SparseFirst => sparse_first(simd, data, low, target, sparse, limit * (1.0 / GROWTH), moving),
+                Order::LowRankFirst => low_rank_first(simd, data, low, target, sparse, limit, moving),
             };
             add_gram(simd, &mut self.gram[..width * width], target, width);
         }
@@ -278,7 +317,7 @@ fn sparse_first<S: Simd>(
     target: &mut [Lanes<S>],
     sparse: &mut [Lanes<S>],
     limit: Lanes<S>,
-    running: Mask<S>,
+    moving: Lanes<S>,
 ) -> Lanes<S> {
     let mut residual = Lanes::splat(simd, 0.0);
     for (((d, a), x), e) in data.iter().zip(low).zip(target).zip(sparse) {
@@ -286,7 +325,7 @@ fn sparse_first<S: Simd>(
         residual += (rest - *e).squared();
         let open = rest + (*x - *a) * (1.0 / GROWTH);
         let clipped = open.clip(limit);
-        *e = running.select(open - clipped, *e);
+        *e += (open - clipped - *e) * moving;
         *x = *a + clipped;
     }
     residual
@@ -302,7 +341,7 @@ fn low_rank_first<S: Simd>(
     target: &mut [Lanes<S>],
     sparse: &mut [Lanes<S>],
     limit: Lanes<S>,
-    running: Mask<S>,
+    moving: Lanes<S>,
 ) -> Lanes<S> {
     let mut residual = Lanes::splat(simd, 0.0);
     for (((d, a), x), e) in data.iter().zip(low).zip(target).zip(sparse) {
@@ -310,7 +349,7 @@ fn low_rank_first<S: Simd>(
         let clipped = open.clip(limit);
         let shrunk = open - clipped;
         residual += (*d - *a - shrunk).squared();
-        *e = running.select(shrunk, *e);
+        *e += (shrunk - *e) * moving;
         *x = *d - shrunk + clipped * (1.0 / GROWTH);
     }
     residual

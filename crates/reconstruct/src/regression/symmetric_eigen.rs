@@ -4,6 +4,7 @@
 use pulp::Simd;
 
 use super::lanes::Lanes;
+use super::matrix::multiply;
 
 /// An off-diagonal entry is left alone when it is at most this times the trace: a few roundings of the Gram matrix.
 const NEGLIGIBLE: f32 = 4e-7;
@@ -19,7 +20,9 @@ pub(crate) struct Eigen<S: Simd> {
     pub(crate) values: Vec<Lanes<S>>,
     /// Row j is the unit eigenvector of value j.
     pub(crate) vectors: Vec<Lanes<S>>,
+    /// M in the basis of the vectors; rotations keep its upper triangle only.
     rotated: Vec<Lanes<S>>,
+    whole: Vec<Lanes<S>>,
     half: Vec<Lanes<S>>,
     order: Vec<(usize, usize)>,
 }
@@ -30,7 +33,8 @@ impl<S: Simd> Eigen<S> {
         let zeros = |n| vec![Lanes::splat(simd, 0.0); n];
         let order = Vec::with_capacity(most * most);
         let (values, vectors) = (zeros(most), zeros(most * most));
-        Self { simd, size: 0, values, vectors, rotated: zeros(most * most), half: zeros(most * most), order }
+        let [rotated, whole, half] = [0; 3].map(|_| zeros(most * most));
+        Self { simd, size: 0, values, vectors, rotated, whole, half, order }
     }
 
     /// Starts a series of similar matrices of `size` rows, the first of which is close to nothing known.
@@ -58,9 +62,10 @@ impl<S: Simd> Eigen<S> {
         }
     }
 
-    /// Solves for `matrix` (upper triangle), starting from the eigenvectors found last.
+    /// Solves for `matrix` (upper triangle), starting from the eigenvectors found last. Off-diagonal entries of at most
+    /// `resolution` may remain.
     #[inline(always)]
-    pub(crate) fn solve(&mut self, matrix: &[Lanes<S>]) {
+    pub(crate) fn solve(&mut self, matrix: &[Lanes<S>], resolution: Lanes<S>) {
         self.rotate_into_last_basis(matrix);
         let size = self.size;
         let mut trace = Lanes::splat(self.simd, 0.0);
@@ -68,7 +73,7 @@ impl<S: Simd> Eigen<S> {
             trace += self.rotated[i * size + i];
         }
         for _ in 0..MOST_SWEEPS {
-            if !self.sweep(trace * NEGLIGIBLE) {
+            if !self.sweep(resolution.max(trace * NEGLIGIBLE)) {
                 break;
             }
         }
@@ -77,28 +82,23 @@ impl<S: Simd> Eigen<S> {
         }
     }
 
-    /// The upper triangle of V M Vᵀ, V's rows being the last eigenvectors.
+    /// V M Vᵀ, V's rows being the last eigenvectors.
     #[inline(always)]
     fn rotate_into_last_basis(&mut self, matrix: &[Lanes<S>]) {
-        let size = self.size;
-        for i in 0..size {
-            for c in 0..size {
-                let mut sum = Lanes::splat(self.simd, 0.0);
-                for r in 0..size {
-                    sum += self.vectors[i * size + r] * matrix[r.min(c) * size + r.max(c)];
-                }
-                self.half[i * size + c] = sum;
+        let n = self.size;
+        for i in 0..n {
+            for j in i..n {
+                self.whole[i * n + j] = matrix[i * n + j];
+                self.whole[j * n + i] = matrix[i * n + j];
             }
         }
-        for i in 0..size {
-            for j in i..size {
-                let mut sum = Lanes::splat(self.simd, 0.0);
-                for c in 0..size {
-                    sum += self.half[i * size + c] * self.vectors[j * size + c];
-                }
-                self.rotated[i * size + j] = sum;
+        multiply(self.simd, &mut self.half[..n * n], &self.vectors[..n * n], n, &self.whole[..n * n], n);
+        for i in 0..n {
+            for j in 0..n {
+                self.whole[j * n + i] = self.vectors[i * n + j];
             }
         }
+        multiply(self.simd, &mut self.rotated[..n * n], &self.half[..n * n], n, &self.whole[..n * n], n);
     }
 
     /// Rotates every pair whose entry is larger than `negligible`; says whether there was one.

@@ -5,7 +5,7 @@ use std::ops::Range;
 use pulp::Simd;
 
 use super::field::Field;
-use super::lanes::Lanes;
+use super::lanes::{Lanes, MOST_LANES};
 
 stack::knob_choice! {
     /// How features are scaled inside a window before the reduction.
@@ -47,14 +47,22 @@ pub(crate) struct Window<S: Simd> {
     /// What each feature's difference to the pixel is multiplied by; 0 where the feature is constant.
     pub(crate) scales: Vec<Lanes<S>>,
     means: Vec<Lanes<S>>,
+    ranges: Vec<Lanes<S>>,
+    norms: Vec<Lanes<S>>,
+    column_sums: Vec<f32>,
+    column_minima: Vec<f32>,
+    column_maxima: Vec<f32>,
 }
 
 impl<S: Simd> Window<S> {
     /// Room for the windows of `field`.
     pub(crate) fn new(simd: S, field: &Field) -> Self {
         let ones = |n| vec![Lanes::splat(simd, 1.0); n];
-        let (inside, scales, means) = (ones(field.columns()), ones(field.features), ones(field.features));
-        Self { simd, x: 0, y: 0, rows: 0..0, inside, scales, means }
+        let [scales, means, ranges] = [0; 3].map(|_| ones(field.features));
+        let [inside, norms] = [0; 2].map(|_| ones(field.columns()));
+        let [column_sums, column_minima, column_maxima] = [0; 3].map(|_| vec![0.0; field.columns() + 2 * MOST_LANES]);
+        let (x, y, rows) = (0, 0, 0..0);
+        Self { simd, x, y, rows, inside, scales, means, ranges, norms, column_sums, column_minima, column_maxima }
     }
 
     /// Moves to the pixels from `x` on in row `y`.
@@ -63,7 +71,7 @@ impl<S: Simd> Window<S> {
         (self.x, self.y) = (x, y);
         self.rows = y.saturating_sub(field.radius)..(y + field.radius + 1).min(field.size.height);
         for (column, inside) in self.inside.iter_mut().enumerate() {
-            let mut flags = [0.0; super::lanes::MOST_LANES];
+            let mut flags = [0.0; MOST_LANES];
             for (lane, flag) in flags.iter_mut().enumerate() {
                 let shifted = x + lane + column;
                 let in_picture = shifted >= field.radius && shifted < field.size.width + field.radius;
@@ -76,58 +84,68 @@ impl<S: Simd> Window<S> {
     /// Finds [`Self::scales`].
     #[inline(always)]
     pub(crate) fn normalise(&mut self, field: &Field, normalisation: Normalisation) {
-        self.find_means(field);
+        let (zero, one) = (Lanes::splat(self.simd, 0.0), Lanes::splat(self.simd, 1.0));
         for group in &field.groups {
-            let largest = self.largest_norm(field, group.clone());
             for feature in group.clone() {
-                let scale = match normalisation {
-                    Normalisation::Window => Lanes::splat(self.simd, 1.0) / largest,
-                    Normalisation::None => Lanes::splat(self.simd, 1.0),
-                };
-                let constant = self.scales[feature].less_than(Lanes::splat(self.simd, CONSTANT));
-                self.scales[feature] = constant.select(Lanes::splat(self.simd, 0.0), scale);
+                self.find_mean_and_range(field, feature);
+            }
+            let scale = match normalisation {
+                Normalisation::Window => one / self.largest_norm(field, group.clone()),
+                Normalisation::None => one,
+            };
+            for feature in group.clone() {
+                let constant = self.ranges[feature].less_than(Lanes::splat(self.simd, CONSTANT));
+                self.scales[feature] = constant.select(zero, scale);
             }
         }
     }
 
-    /// Mean of every feature. The frame of the field is zero, so it adds nothing.
+    /// Mean of `feature` in the windows, and the difference of its extremes. Columns first, since side by side the
+    /// windows share them.
     #[inline(always)]
-    fn find_means(&mut self, field: &Field) {
-        let mut across = Lanes::splat(self.simd, 0.0);
-        for inside in &self.inside {
-            across += *inside;
-        }
-        let share = (across * self.rows.len() as f32).reciprocal_or_zero();
-        for feature in 0..field.features {
+    fn find_mean_and_range(&mut self, field: &Field, feature: usize) {
+        let (columns, lanes) = (2 * field.radius + 1, Lanes::<S>::COUNT);
+        for start in (0..columns + lanes - 1).step_by(lanes) {
             let mut sum = Lanes::splat(self.simd, 0.0);
+            let (mut least, mut most) = (Lanes::splat(self.simd, f32::MAX), Lanes::splat(self.simd, f32::MIN));
             for y in self.rows.clone() {
-                let row = field.row(feature, self.x, y);
-                for column in 0..2 * field.radius + 1 {
-                    sum += Lanes::load(self.simd, &row[column..]);
-                }
+                let value = Lanes::load(self.simd, &field.row(feature, self.x, y)[start..]);
+                sum += value;
+                least = least.min(value);
+                most = most.max(value);
             }
-            self.means[feature] = sum * share;
+            sum.store(&mut self.column_sums[start..]);
+            least.store(&mut self.column_minima[start..]);
+            most.store(&mut self.column_maxima[start..]);
         }
+        let (mut across, mut sum) = (Lanes::splat(self.simd, 0.0), Lanes::splat(self.simd, 0.0));
+        let (mut least, mut most) = (Lanes::splat(self.simd, f32::MAX), Lanes::splat(self.simd, f32::MIN));
+        for column in 0..columns {
+            across += self.inside[column];
+            sum += Lanes::load(self.simd, &self.column_sums[column..]) * self.inside[column];
+            least = least.min(Lanes::load(self.simd, &self.column_minima[column..]));
+            most = most.max(Lanes::load(self.simd, &self.column_maxima[column..]));
+        }
+        self.means[feature] = sum * (across * self.rows.len() as f32).reciprocal_or_zero();
+        self.ranges[feature] = most - least;
     }
 
-    /// Largest norm about the mean of the feature vectors of a `group`, at least [`SMALLEST_NORM`]. Leaves the largest
-    /// deviation of each feature in `scales`.
+    /// Largest norm about the mean of the feature vectors of a `group`, at least [`SMALLEST_NORM`]. The frame repeats
+    /// pixels of the window, so it adds none.
     #[inline(always)]
     fn largest_norm(&mut self, field: &Field, group: Range<usize>) -> Lanes<S> {
         let mut largest = Lanes::splat(self.simd, SMALLEST_NORM * SMALLEST_NORM);
-        for feature in group.clone() {
-            self.scales[feature] = Lanes::splat(self.simd, 0.0);
-        }
+        let norms = &mut self.norms[..2 * field.radius + 1];
         for y in self.rows.clone() {
-            for (column, inside) in self.inside.iter().enumerate() {
-                let mut norm = Lanes::splat(self.simd, 0.0);
-                for feature in group.clone() {
-                    let value = Lanes::load(self.simd, &field.row(feature, self.x, y)[column..]);
-                    let deviation = (value - self.means[feature]) * *inside;
-                    self.scales[feature] = self.scales[feature].max(deviation.abs());
-                    norm += deviation.squared();
+            norms.fill(Lanes::splat(self.simd, 0.0));
+            for feature in group.clone() {
+                let (row, mean) = (field.row(feature, self.x, y), self.means[feature]);
+                for (column, norm) in norms.iter_mut().enumerate() {
+                    *norm += (Lanes::load(self.simd, &row[column..]) - mean).squared();
                 }
-                largest = largest.max(norm);
+            }
+            for norm in norms.iter() {
+                largest = largest.max(*norm);
             }
         }
         largest.sqrt()
