@@ -11,13 +11,33 @@ pub struct Texture {
     pub height: usize,
     /// Row-major, top row first, linear RGB.
     pub texels: Vec<[f32; 3]>,
+    /// How often the image repeats over one unit of the texture coordinates.
+    pub scale: Vec2,
+    /// Added to the scaled texture coordinates.
+    pub offset: Vec2,
 }
 
 impl Texture {
+    /// A texture that covers texture coordinates 0 … 1 once.
+    ///
+    /// # Panics
+    /// When there are not `width` × `height` texels, or none: that is a mistake in the calling code.
+    pub fn new(width: usize, height: usize, texels: Vec<[f32; 3]>) -> Self {
+        assert!(!texels.is_empty() && texels.len() == width * height, "texels must fill the image");
+        Self { width, height, texels, scale: Vec2::ONE, offset: Vec2::ZERO }
+    }
+
+    /// Mean colour.
+    pub fn mean(&self) -> Vec3 {
+        let sum = self.texels.iter().fold(glam::DVec3::ZERO, |sum, &t| sum + Vec3::from_array(t).as_dvec3());
+        (sum / self.texels.len() as f64).as_vec3()
+    }
+
     /// Colour at texture coordinates `uv` (origin at the image's bottom left, as OBJ has it).
     ///
     /// Texel centres lie at half-integers. Coordinates that are not finite give the first texel.
     pub fn lookup(&self, uv: Vec2) -> Vec3 {
+        let uv = self.scale * uv + self.offset;
         let (x0, x1, fx) = neighbours(uv.x, self.width);
         let (y0, y1, fy) = neighbours(1.0 - uv.y, self.height);
         let texel = |x: usize, y: usize| Vec3::from_array(self.texels[y * self.width + x]);
@@ -44,7 +64,7 @@ mod tests {
     use super::*;
 
     fn checker() -> Texture {
-        Texture { width: 2, height: 2, texels: vec![[1.0, 0.0, 0.0], [0.0; 3], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] }
+        Texture::new(2, 2, vec![[1.0, 0.0, 0.0], [0.0; 3], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
     }
 
     #[test]
@@ -61,6 +81,13 @@ mod tests {
         assert_eq!(t.lookup(Vec2::new(-2.75, 5.75)), t.lookup(Vec2::new(0.25, 0.75)));
         assert_eq!(t.lookup(Vec2::new(0.0, 0.75)), Vec3::new(0.5, 0.0, 0.0));
         assert_eq!(t.lookup(Vec2::new(0.0, 0.0)), Vec3::new(0.25, 0.25, 0.25));
+    }
+
+    #[test]
+    fn the_image_can_be_scaled_and_shifted() {
+        let t = Texture { scale: Vec2::new(2.0, 1.0), offset: Vec2::new(0.5, 0.5), ..checker() };
+        assert_eq!(t.lookup(Vec2::new(0.375, 0.25)), checker().lookup(Vec2::new(0.25, 0.75)));
+        assert_eq!(t.mean(), Vec3::splat(0.25));
     }
 
     #[test]

@@ -1,0 +1,196 @@
+//! From MTL to [`Material`]. MTL has no physics; this is how its statements are read.
+//!
+//! | Statement | Becomes |
+//! |---|---|
+//! | `Pm` ≥ 1 | metal that reflects `Kd` (or `Ks` where `Kd` is black), roughness `Pr` |
+//! | `illum` 5 | mirror that reflects `Ks` (or `Kd` where there is no `Ks`) |
+//! | `illum` 4, 6, 7, 9, or `d` < 1 with `Ni` | clear glass of index `Ni` (1.5), tinted by `Tf` |
+//! | `illum` 3, 8 with `Ks` and no `Kd` | metal that reflects `Ks`; a mirror when neither `Ns` nor `Pr` makes it rough |
+//! | `Ks` > 0 with `Ns` or `Pr`, `illum` not 0 or 1; or `Pr`, `Pm` | diffuse under a rough coat |
+//! | else | diffuse `Kd` (grey 0.5 where neither `Kd` nor `map_Kd` is given) |
+//!
+//! Roughness α is `Pr`², else √(2/(`Ns`+2)): the width of Phong's lobe (Walter et al. 2007, section 5.1, with equal
+//! exponents of the lobe and of the half vector). Diffuse and specular reflectance together are scaled to at most 1 as
+//! a surface cannot reflect more than it gets. `Ke` emits whatever else is said; `map_Ke` by its mean colour.
+
+use glam::Vec3;
+
+use super::super::look::{COMMON_COAT, capped, coated, metal};
+use super::super::notes::Notes;
+use super::entry::MtlEntry;
+use super::texture_file::TextureFiles;
+use super::texture_line::TextureLine;
+use crate::material::{Colour, Material, Surface};
+
+impl MtlEntry {
+    /// The material; without its textures when there is nobody to read them.
+    pub(super) fn material(&self, mut read: Option<(&mut TextureFiles, &mut Notes)>) -> Material {
+        let mut texture = |colour: Colour, line: &Option<TextureLine>| match (line, &mut read) {
+            (Some(line), Some((files, notes))) => self.textured(colour, line, files, notes),
+            _ => colour,
+        };
+        let diffuse = texture(Colour::constant(self.diffuse_factor()), &self.diffuse_map);
+        let specular = texture(Colour::constant(self.specular_factor()), &self.specular_map);
+        let emission = texture(Colour::constant(self.emission_factor()), &self.emission_map);
+        let emission = emission.factor * emission.texture.map_or(Vec3::ONE, |t| t.mean());
+        if let Some((_, notes)) = &mut read {
+            self.note_ignored(notes);
+        }
+        Material { name: self.name.clone(), surface: self.surface(diffuse, specular), emission }
+    }
+
+    fn textured(&self, colour: Colour, line: &TextureLine, files: &mut TextureFiles, notes: &mut Notes) -> Colour {
+        match files.get(line) {
+            Ok(texture) => Colour { texture: Some(texture), ..colour },
+            Err(why) => {
+                notes.add(format!("material '{}': {why}; its colour is used", self.name));
+                colour
+            }
+        }
+    }
+
+    fn note_ignored(&self, notes: &mut Notes) {
+        for key in &self.ignored {
+            notes.add(format!("material '{}': {key} is not supported and ignored", self.name));
+        }
+        if self.opacity.is_some_and(|d| d < 1.0) && !self.is_glass() {
+            notes.add(format!("material '{}': transparency without Ni is not supported; it is opaque", self.name));
+        }
+    }
+
+    /// `Kd`. Black in front of a texture is a habit of exporters, not a wish.
+    fn diffuse_factor(&self) -> Vec3 {
+        let unsaid = if self.diffuse_map.is_some() { Vec3::ONE } else { Vec3::splat(0.5) };
+        let said = self.diffuse.filter(|&kd| kd != Vec3::ZERO || self.diffuse_map.is_none());
+        // A material that only shines or only reflects is black otherwise.
+        let other = self.emission.is_some() || self.specular.is_some_and(|ks| ks != Vec3::ZERO);
+        said.unwrap_or(if other && self.diffuse_map.is_none() { Vec3::ZERO } else { unsaid })
+    }
+
+    fn specular_factor(&self) -> Vec3 {
+        self.specular.unwrap_or(if self.specular_map.is_some() { Vec3::ONE } else { Vec3::ZERO })
+    }
+
+    fn emission_factor(&self) -> Vec3 {
+        self.emission.unwrap_or(if self.emission_map.is_some() { Vec3::ONE } else { Vec3::ZERO })
+    }
+
+    fn is_glass(&self) -> bool {
+        let transparent = self.opacity.is_some_and(|d| d < 1.0) && self.ior.is_some();
+        transparent || matches!(self.model, Some(4 | 6 | 7 | 9))
+    }
+
+    /// GGX α, where the material says anything about it.
+    fn alpha(&self) -> Option<f32> {
+        let phong = |ns: f32| (2.0 / (ns + 2.0)).sqrt();
+        let alpha = self.roughness.map(|pr| pr * pr).or(self.shininess.filter(|&ns| ns > 0.0).map(phong));
+        alpha.map(|alpha| alpha.clamp(0.0, 1.0))
+    }
+
+    fn surface(&self, diffuse: Colour, specular: Colour) -> Surface {
+        let has = |colour: &Colour| colour.factor != Vec3::ZERO;
+        if self.metallic.is_some_and(|pm| pm >= 1.0) {
+            return metal(if has(&diffuse) { diffuse } else { specular }, self.alpha());
+        }
+        if self.model == Some(5) {
+            return Surface::Mirror { reflectance: capped(if has(&specular) { specular } else { diffuse }) };
+        }
+        if self.is_glass() {
+            let tint = Colour::constant(self.filter.unwrap_or(Vec3::ONE));
+            let ior = self.ior.filter(|&ni| ni > 0.0).unwrap_or(1.5);
+            return Surface::Glass { ior, transmittance: capped(tint) };
+        }
+        if matches!(self.model, Some(3 | 8)) && has(&specular) && !has(&diffuse) {
+            return metal(specular, self.alpha());
+        }
+        self.opaque(diffuse, specular)
+    }
+
+    fn opaque(&self, diffuse: Colour, specular: Colour) -> Surface {
+        let metallic = self.metallic.unwrap_or(0.0).clamp(0.0, 1.0);
+        let shows_highlights = !matches!(self.model, Some(0 | 1)) || self.roughness.is_some();
+        let physical = self.roughness.is_some() || metallic > 0.0;
+        let common = specular.factor == Vec3::ZERO && physical;
+        let specular = if common { Colour::constant(Vec3::splat(COMMON_COAT)) } else { specular };
+        match self.alpha() {
+            Some(alpha) if shows_highlights && specular.factor != Vec3::ZERO => {
+                coated(diffuse, specular, metallic, alpha)
+            }
+            _ => Surface::Diffuse { reflectance: capped(diffuse) },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::super::entry::parse;
+    use super::*;
+
+    fn convert(statements: &str) -> Material {
+        parse(&format!("newmtl m\n{statements}"), Path::new("m.mtl")).unwrap()[0].material(None)
+    }
+
+    fn constant(colour: &Colour) -> [f32; 3] {
+        colour.factor.to_array()
+    }
+
+    #[test]
+    fn conventions_of_models_are_followed() {
+        let surface = |statements| convert(statements).surface;
+        let grey = [0.5; 3];
+        assert!(matches!(surface("Kd .5 .5 .5"), Surface::Diffuse { reflectance } if constant(&reflectance) == grey));
+        assert!(matches!(surface("Kd .5"), Surface::Diffuse { reflectance } if constant(&reflectance) == grey));
+        assert!(matches!(surface(""), Surface::Diffuse { reflectance } if constant(&reflectance) == grey));
+        assert!(
+            matches!(surface("Kd 9 0 0\nKs 0 0 0\nNs 9"), Surface::Diffuse { reflectance } if constant(&reflectance) == [1.0, 0.0, 0.0])
+        );
+        assert!(matches!(surface("Kd 1 1 1\nKs 1 1 1\nNs 9\nillum 1"), Surface::Diffuse { .. }));
+        assert!(
+            matches!(surface("Ks .5 .5 .5\nillum 5"), Surface::Mirror { reflectance } if constant(&reflectance) == grey)
+        );
+        assert!(matches!(surface("Kd 0 0 0\nKs 1 1 1\nNs 198\nillum 3"), Surface::Conductor { alpha: 0.1, .. }));
+        assert!(matches!(surface("Kd 0 0 0\nKs 1 1 1\nillum 3"), Surface::Mirror { .. }));
+        assert!(matches!(surface("Kd 1 .5 0\nPm 1\nPr .5"), Surface::Conductor { alpha: 0.25, .. }));
+    }
+
+    #[test]
+    fn glass_is_told_by_model_or_by_dissolve_with_an_index() {
+        for statements in ["illum 7\nNi 1.3\nTf .2 .3 .4", "d 0.1\nNi 1.3\nTf .2 .3 .4", "Tr .9\nNi 1.3\nTf .2 .3 .4"] {
+            let Surface::Glass { ior: 1.3, transmittance } = convert(statements).surface else {
+                panic!("{statements}")
+            };
+            assert_eq!(constant(&transmittance), [0.2, 0.3, 0.4]);
+        }
+        for opaque in ["d 0.1", "d 1\nTr 1\nNi 1.5", "Tr 1\nd 1\nNi 1.5", "Ni 1.5"] {
+            assert!(matches!(convert(opaque).surface, Surface::Diffuse { .. }), "{opaque}");
+        }
+    }
+
+    #[test]
+    fn a_coat_reflects_no_more_than_comes_in() {
+        let Surface::Coated { diffuse, specular, alpha } = convert("Kd .6 .2 0\nKs 1 1 1\nNs 48 shiny").surface else {
+            panic!("no coat")
+        };
+        assert_eq!(alpha, 0.2);
+        assert!((diffuse.factor + specular.factor).max_element() <= 1.0);
+        assert!((specular.factor.x - 0.625).abs() < 1e-6);
+    }
+
+    #[test]
+    fn anything_can_emit() {
+        let lamp = convert("Kd .78 .78 .78 # white\nKe 10 5 -2\nTr 0\nd 1");
+        assert_eq!(lamp.emission, Vec3::new(10.0, 5.0, 0.0));
+        assert!(matches!(lamp.surface, Surface::Diffuse { .. }));
+        assert_eq!(convert("illum 5\nKs 1 1 1\nKe 1 1 1").emission, Vec3::ONE);
+    }
+
+    #[test]
+    fn mistakes_are_told_with_their_line() {
+        let refused = parse("newmtl a\nKd 1 x 1\n", Path::new("m.mtl")).unwrap_err();
+        assert_eq!(refused.to_string(), "m.mtl:2: expected Kd and three numbers, found '1 x 1'");
+        let refused = parse("newmtl a\n\nNs shiny\n", Path::new("m.mtl")).unwrap_err();
+        assert_eq!(refused.to_string(), "m.mtl:3: expected Ns and a number, found 'shiny'");
+    }
+}

@@ -1,0 +1,149 @@
+use std::fs;
+use std::path::Path;
+
+use glam::Vec3;
+use tempfile::TempDir;
+
+use super::super::notes::Notes;
+use super::{ObjFile, find_file, read_obj};
+use crate::material::Surface;
+
+/// A folder with an OBJ file and perhaps other files.
+fn folder(obj: &[u8], others: &[(&str, &[u8])]) -> TempDir {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("a.obj"), obj).unwrap();
+    for (name, content) in others {
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, content).unwrap();
+    }
+    folder
+}
+
+fn read(obj: &[u8], others: &[(&str, &[u8])]) -> (ObjFile, Vec<String>) {
+    let folder = folder(obj, others);
+    let mut notes = Notes::default();
+    let file = read_obj(&folder.path().join("a.obj"), &mut notes).unwrap();
+    (file, notes.into_lines())
+}
+
+fn refusal(obj: &[u8]) -> String {
+    let folder = folder(obj, &[]);
+    let error = read_obj(&folder.path().join("a.obj"), &mut Notes::default()).unwrap_err();
+    error.to_string().replace(&format!("{}/", folder.path().display()), "")
+}
+
+const CORNERS: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+fn with_corners(rest: &str) -> Vec<u8> {
+    format!("{CORNERS}{rest}").into_bytes()
+}
+
+#[test]
+fn quads_and_negative_indices_make_triangles() {
+    let (file, notes) = read(&with_corners("f -4 -3 -2 -1\nf 1 2 3\n"), &[]);
+    let corners = |t: usize| file.mesh.triangles[t].map(|v| file.mesh.positions[v as usize]);
+    assert_eq!(corners(0), [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0)]);
+    assert_eq!(corners(1), [Vec3::ZERO, Vec3::new(1.0, 1.0, 0.0), Vec3::Y]);
+    assert_eq!(corners(2), corners(0));
+    assert!(notes.is_empty());
+}
+
+#[test]
+fn mistakes_are_told_with_their_line() {
+    assert_eq!(refusal(b""), "a.obj: the file is empty, expected vertices and faces");
+    assert_eq!(refusal(CORNERS.as_bytes()), "a.obj: has 4 vertices but no face with three corners");
+    assert_eq!(refusal(&with_corners("f 1 2\nl 1 2\np 1\n")), "a.obj: has 4 vertices but no face with three corners");
+    assert_eq!(refusal(b"# x\nv 0 0 zero\n"), "a.obj:2: expected v and three numbers, found 'v 0 0 zero'");
+    assert_eq!(refusal(b"v 0 0\n"), "a.obj:1: expected v and three numbers, found 'v 0 0'");
+    assert_eq!(
+        refusal(&with_corners("f 1 2 3\nf 1 2 5\nf 1 2 7\n")),
+        "a.obj:6: expected a vertex that exists (there are 4), found number 5"
+    );
+    assert_eq!(
+        refusal(&with_corners("f 1 2 0\n")),
+        "a.obj:5: expected a vertex that exists (there are 4), found number 0"
+    );
+    assert_eq!(
+        refusal(&with_corners("f 1 2 -5\n")),
+        "a.obj:5: expected a vertex that exists (there are 4), found number -5"
+    );
+    assert_eq!(
+        refusal(&with_corners("f 1/1 2/1 3/1\n")),
+        "a.obj:5: expected a texture coordinate that exists (there are 0), found number 1"
+    );
+    assert_eq!(refusal(&with_corners("f 1 b 3\n")), "a.obj:5: expected corners like 1, 1/2, 1//3 or 1/2/3, found 'b'");
+}
+
+#[test]
+fn missing_files_and_folders_are_told_apart() {
+    let folder = folder(b"", &[]);
+    let refuse = |path: &Path| read_obj(path, &mut Notes::default()).unwrap_err().to_string();
+    assert!(refuse(&folder.path().join("b.obj")).contains("no such file"));
+    assert!(refuse(folder.path()).contains("is a folder"));
+}
+
+#[test]
+fn what_tobj_trips_over_is_mended() {
+    let obj = b"# caf\xe9\r\nmtllib\tnone.mtl\r\nusemtl \r\nv 0 0 0 # origin\r\nv 1 \\\r\n 0 0\r\nv 0 1 0\r\nv 1.#QNAN 0 0\r\n\
+        v -nan(ind) 0 0\r\nvt 0.5\r\ng \xff\r\nf 1 2 3\r\nf 1 2 4\r\nf 1/1 2/1 3/1\r\nf 1/1 2 3/1\r\nf 1\r\n";
+    let (file, notes) = read(obj, &[]);
+    assert_eq!(file.mesh.triangles.len(), 4);
+    assert_eq!(file.mesh.positions[1], Vec3::X);
+    let bad = file.mesh.triangles[1].map(|v| file.mesh.positions[v as usize]);
+    assert!(bad[2].x.is_nan());
+    assert_eq!(file.mesh.uvs.len(), file.mesh.positions.len());
+    let uv = |t: usize| file.mesh.uvs[file.mesh.triangles[t][0] as usize].x;
+    assert_eq!([uv(0), uv(2), uv(3)], [0.0, 0.5, 0.0]);
+    assert_eq!(notes.len(), 2, "{notes:?}");
+}
+
+#[test]
+fn utf_16_is_read() {
+    let obj: Vec<u8> = with_corners("f 1 2 3").iter().flat_map(|&b| [b, 0]).collect();
+    let (file, _) = read(&[&[0xff, 0xfe], obj.as_slice()].concat(), &[]);
+    assert_eq!(file.mesh.triangles.len(), 1);
+}
+
+#[test]
+fn materials_come_from_libraries_by_name() {
+    let obj = with_corners(
+        "mtllib my lib.mtl\nmtllib b.mtl c.mtl\nusemtl 7\nf 1 2 3\nusemtl lamp one\nf 1 2 4\nusemtl ?\nf 2 3 4\n",
+    );
+    let libraries: [(&str, &[u8]); 2] = [
+        ("my lib.mtl", b"newmtl 7\nKd 1 0 0\nNs 3200 grey wall\n"),
+        ("B.MTL", b"\tnewmtl lamp one \r\n\tKe 1 2 3\r\n"),
+    ];
+    let (file, notes) = read(&obj, &libraries);
+    let of = |t: usize| &file.materials[file.mesh.materials[t] as usize];
+    assert_eq!([of(0), of(1), of(2)].map(|m| m.name.as_str()), ["7", "lamp one", "default"]);
+    assert_eq!(of(1).emission, Vec3::new(1.0, 2.0, 3.0));
+    assert_eq!(notes.len(), 2);
+    assert!(notes.iter().any(|n| n.contains("no library has material '?'")));
+    assert!(notes.iter().any(|n| n.contains("'c.mtl' is missing")));
+}
+
+#[test]
+fn textures_are_found_ignoring_case_and_backslashes_and_missed_with_a_note() {
+    let image = image::RgbImage::from_pixel(1, 1, image::Rgb([255, 0, 0]));
+    let mut png = std::io::Cursor::new(vec![]);
+    image.write_to(&mut png, image::ImageFormat::Png).unwrap();
+    let mtl = b"newmtl a\nKd 1 1 1\nmap_Kd -s 2 1 1 Tex\\RED.png\nnewmtl b\nKd 0 1 0\nmap_Kd gone.png\nnewmtl c\nmap_Kd a.obj\n";
+    let obj = with_corners("mtllib m.mtl\nusemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\nusemtl c\nf 1 2 3\n");
+    let (file, notes) = read(&obj, &[("m.mtl", mtl), ("tex/red.png", png.get_ref())]);
+    let Surface::Diffuse { reflectance } = &file.materials[0].surface else { panic!("not diffuse") };
+    let texture = reflectance.texture.as_ref().unwrap();
+    assert_eq!((texture.texels[0], texture.scale), ([1.0, 0.0, 0.0], glam::Vec2::new(2.0, 1.0)));
+    let Surface::Diffuse { reflectance } = &file.materials[1].surface else { panic!("not diffuse") };
+    assert!(reflectance.texture.is_none() && reflectance.factor == Vec3::Y);
+    assert_eq!(notes.len(), 2);
+    assert!(notes[0].contains("'gone.png' is missing") && notes[1].contains("cannot be read"));
+}
+
+#[test]
+fn files_are_found_in_the_folder_above() {
+    let folder = folder(b"", &[("Sub/x.mtl", b""), ("Other/Y.png", b"")]);
+    let found = find_file(&folder.path().join("Sub"), "../other/y.PNG").unwrap();
+    assert!(found.ends_with("Sub/../Other/Y.png"));
+    assert_eq!(find_file(folder.path(), "sub"), None);
+}
