@@ -15,10 +15,12 @@ pub struct Diffuse {
 }
 
 impl Diffuse {
+    /// `None` for a direction in the surface itself, whose density is zero.
     #[inline]
-    pub(super) fn sample_direction(&self, u: Vec2) -> Scattered {
+    pub(super) fn sample_direction(&self, u: Vec2) -> Option<Scattered> {
         let incoming = sample_cosine_hemisphere(u);
-        Scattered { incoming, weight: self.reflectance, pdf: Some(cosine_hemisphere_pdf(incoming.z)), eta: 1.0 }
+        let pdf = cosine_hemisphere_pdf(incoming.z);
+        (pdf > 0.0).then_some(Scattered { incoming, weight: self.reflectance, pdf: Some(pdf), eta: 1.0 })
     }
 
     #[inline]
@@ -29,5 +31,17 @@ impl Diffuse {
     #[inline]
     pub(super) fn evaluate(&self, incoming: Vec3) -> Vec3 {
         self.reflectance * (incoming.z * FRAC_1_PI)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_rim_of_the_disc_gives_no_direction_of_density_zero() {
+        let diffuse = Diffuse { reflectance: Vec3::ONE };
+        assert!(diffuse.sample_direction(Vec2::new(0.0, 0.5)).is_none());
+        assert!(diffuse.sample_direction(Vec2::new(0.01, 0.5)).is_some());
     }
 }

@@ -44,7 +44,7 @@ impl Lobe {
     #[inline]
     pub fn sample_direction(&self, outgoing: Vec3, choice: f32, u: Vec2) -> Option<Scattered> {
         match self {
-            Self::Diffuse(diffuse) => Some(diffuse.sample_direction(u)),
+            Self::Diffuse(diffuse) => diffuse.sample_direction(u),
             Self::Mirror(mirror) => Some(mirror.sample_direction(outgoing)),
             Self::Glass(glass) => Some(glass.sample_direction(outgoing, choice)),
             Self::Conductor(conductor) => conductor.sample_direction(outgoing, u),

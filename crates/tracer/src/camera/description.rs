@@ -36,7 +36,10 @@ impl CameraDescription {
     /// When eye and target coincide, a value is out of range or not finite, or the film has no pixel. A camera that
     /// looks straight along `up` is turned to some other up instead.
     pub fn on(&self, film: Size) -> Result<Camera, CameraError> {
-        self.check(film)?;
+        self.check()?;
+        if film.pixels() == 0 {
+            return Err(CameraError { what: "film", found: film.to_string(), expected: "at least one pixel" });
+        }
         let view = self.look_at - self.eye;
         let straight = view.normalize().cross(self.up.normalize()).length_squared() < f32::EPSILON;
         Ok(Camera {
@@ -51,7 +54,11 @@ impl CameraDescription {
         })
     }
 
-    fn check(&self, film: Size) -> Result<(), CameraError> {
+    /// Checks everything that does not depend on the film.
+    ///
+    /// # Errors
+    /// As [`on`](Self::on).
+    pub fn check(&self) -> Result<(), CameraError> {
         let refuse = |what, found: String, expected| Err(CameraError { what, found, expected });
         let view = self.look_at - self.eye;
         if !(view.is_finite() && self.eye.is_finite() && view.length_squared().is_normal()) {
@@ -72,9 +79,6 @@ impl CameraDescription {
         let [open, close] = self.shutter;
         if !(0.0 <= open && open <= close && close <= 1.0) {
             return refuse("shutter", format!("[{open}, {close}]"), "two moments in order, from 0 to 1");
-        }
-        if film.pixels() == 0 {
-            return refuse("film", film.to_string(), "at least one pixel");
         }
         Ok(())
     }

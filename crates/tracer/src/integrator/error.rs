@@ -68,8 +68,8 @@ impl TraceError {
             | Self::UnevenBuckets { .. }
             | Self::OtherDealing { .. }
             | Self::MapSize { .. }
-            | Self::NotNext { .. }
-            | Self::TooManySamples(_) => Fault::Usage,
+            | Self::NotNext { .. } => Fault::Usage,
+            Self::TooManySamples(cause) => cause.fault(),
         }
     }
 }

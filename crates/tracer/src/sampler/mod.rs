@@ -19,7 +19,7 @@ pub use decision::Decision;
 use glam::Vec2;
 use sobol::Scramble;
 use sobol_burley::parts::u32_to_f32_norm;
-use stack::Place;
+use stack::{Fault, Place};
 
 /// Points in a sequence. An `f32` takes 2²³ evenly spaced values in [0, 1): a longer sequence would repeat itself.
 pub const SEQUENCE_LENGTH: u32 = 1 << 23;
@@ -36,6 +36,13 @@ pub struct SequenceTooShort {
     pub sample: u64,
     /// How many sequences the samples are dealt to.
     pub sequences: u32,
+}
+
+impl SequenceTooShort {
+    /// Whose fault it is.
+    pub const fn fault(&self) -> Fault {
+        Fault::Usage
+    }
 }
 
 /// Checks that the samples before number `end` of a pixel exist when they are dealt to `sequences` sequences.

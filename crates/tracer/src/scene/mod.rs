@@ -1,9 +1,12 @@
 //! What is rendered: meshes, materials, emitters, sky; and how files become one.
 
 mod closest;
+mod description;
 mod emitters;
 mod error;
 mod instance;
+mod load;
+mod look;
 mod mesh;
 mod mtl;
 mod notes;
@@ -14,9 +17,11 @@ mod surface;
 use glam::Vec3;
 
 pub use crate::bvh::{Bounds, Placement};
+pub use description::{RawRender, RenderEntry};
 pub use emitters::EmissiveTriangle;
 pub use error::{Place, SceneError};
 pub use instance::Instance;
+pub use load::{Loaded, load};
 pub use mesh::{Dropped, Mesh};
 
 use crate::material::Material;

@@ -65,8 +65,8 @@ mod tests {
     fn encodings_are_told_apart() {
         assert_eq!(decode(b"v 1\n".to_vec()), "v 1\n");
         assert_eq!(decode(b"\xef\xbb\xbfv 1".to_vec()), "v 1");
-        assert_eq!(decode(b"\xff\xfev\0 \01\0".to_vec()), "v 1");
-        assert_eq!(decode(b"\xfe\xff\0v\0 \01".to_vec()), "v 1");
+        assert_eq!(decode(b"\xff\xfev\x00 \x001\x00".to_vec()), "v 1");
+        assert_eq!(decode(b"\xfe\xff\x00v\x00 \x001".to_vec()), "v 1");
         assert_eq!(decode(b"caf\xe9".to_vec()), "caf\u{fffd}");
     }
 

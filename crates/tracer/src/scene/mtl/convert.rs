@@ -15,17 +15,12 @@
 
 use glam::Vec3;
 
+use super::super::look::{COMMON_COAT, capped, coated, metal};
 use super::super::notes::Notes;
 use super::entry::MtlEntry;
 use super::texture_file::TextureFiles;
 use super::texture_line::TextureLine;
 use crate::material::{Colour, Material, Surface};
-
-/// Reflectance at normal incidence of the common coat: glass of index 1.5.
-const COMMON_COAT: f32 = 0.04;
-
-/// Below this α a metal is taken for a mirror.
-const SMOOTH: f32 = 0.01;
 
 impl MtlEntry {
     /// The material; without its textures when there is nobody to read them.
@@ -108,42 +103,22 @@ impl MtlEntry {
         if matches!(self.model, Some(3 | 8)) && has(&specular) && !has(&diffuse) {
             return metal(specular, self.alpha());
         }
-        self.coated(diffuse, specular)
+        self.opaque(diffuse, specular)
     }
 
-    fn coated(&self, diffuse: Colour, specular: Colour) -> Surface {
+    fn opaque(&self, diffuse: Colour, specular: Colour) -> Surface {
         let metallic = self.metallic.unwrap_or(0.0).clamp(0.0, 1.0);
         let shows_highlights = !matches!(self.model, Some(0 | 1)) || self.roughness.is_some();
         let physical = self.roughness.is_some() || metallic > 0.0;
-        let specular = if specular.factor == Vec3::ZERO && physical {
-            Colour::constant(Vec3::splat(COMMON_COAT))
-        } else {
-            specular
-        };
+        let common = specular.factor == Vec3::ZERO && physical;
+        let specular = if common { Colour::constant(Vec3::splat(COMMON_COAT)) } else { specular };
         match self.alpha() {
             Some(alpha) if shows_highlights && specular.factor != Vec3::ZERO => {
-                let specular = Colour { factor: specular.factor.lerp(diffuse.factor, metallic), ..specular };
-                let diffuse = Colour { factor: diffuse.factor * (1.0 - metallic), ..diffuse };
-                let scale = 1.0 / (diffuse.factor + specular.factor).max_element().max(1.0);
-                let scaled = |colour: Colour| Colour { factor: colour.factor * scale, ..colour };
-                Surface::Coated { diffuse: scaled(diffuse), specular: scaled(specular), alpha }
+                coated(diffuse, specular, metallic, alpha)
             }
             _ => Surface::Diffuse { reflectance: capped(diffuse) },
         }
     }
-}
-
-fn metal(reflectance: Colour, alpha: Option<f32>) -> Surface {
-    let reflectance = capped(reflectance);
-    match alpha {
-        Some(alpha) if alpha >= SMOOTH => Surface::Conductor { reflectance, alpha },
-        _ => Surface::Mirror { reflectance },
-    }
-}
-
-/// At most 1.
-fn capped(colour: Colour) -> Colour {
-    Colour { factor: colour.factor.min(Vec3::ONE), ..colour }
 }
 
 #[cfg(test)]

@@ -1,0 +1,114 @@
+//! From a file to a scene.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use super::description::{RawRender, SceneDescription, read_description};
+use super::notes::Notes;
+use super::obj::read_obj;
+use super::{Dropped, Instance, Mesh, Placement, Scene, SceneError};
+use crate::camera::CameraDescription;
+use crate::material::Material;
+
+/// A scene and what its files say besides.
+#[derive(Debug)]
+pub struct Loaded {
+    /// The scene.
+    pub scene: Scene,
+    /// Cameras with their names, in the file's order; an OBJ file has none.
+    pub cameras: Vec<(Option<String>, CameraDescription)>,
+    /// What was missing or ignored, one sentence each.
+    pub notes: Vec<String>,
+    /// The `[render]` table, as written.
+    pub render: Option<RawRender>,
+    /// Triangles, counting those of every instance.
+    pub triangles: usize,
+    /// Triangles no ray can hit, left out.
+    pub dropped: Dropped,
+}
+
+/// Loads the scene at `path`: an OBJ file by itself, or a `.toml` file that puts several together.
+///
+/// # Errors
+/// When a file is missing, cannot be read, or holds a mistake; the error says where and what was expected.
+pub fn load(path: &Path) -> Result<Loaded, SceneError> {
+    if path.is_dir() {
+        return Err(SceneError::IsFolder { path: path.into() });
+    }
+    match extension(path).as_str() {
+        "obj" => load_obj(path),
+        "toml" => load_toml(path),
+        _ if !path.exists() => Err(SceneError::Missing { path: path.into() }),
+        _ => Err(SceneError::UnknownFormat { path: path.into() }),
+    }
+}
+
+fn extension(path: &Path) -> String {
+    path.extension().map_or(String::new(), |e| e.to_string_lossy().to_lowercase())
+}
+
+fn load_obj(path: &Path) -> Result<Loaded, SceneError> {
+    let mut parts = Parts::default();
+    let mesh = parts.mesh(path)?;
+    parts.instances.push(Instance { mesh, placement: Placement::IDENTITY });
+    parts.finish(SceneDescription::default())
+}
+
+fn load_toml(path: &Path) -> Result<Loaded, SceneError> {
+    let mut description = read_description(path)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut parts = Parts::default();
+    for geometry in &description.geometry {
+        let mesh = parts.mesh(&folder.join(&geometry.file))?;
+        parts.instances.push(Instance { mesh, placement: geometry.placement });
+    }
+    for change in std::mem::take(&mut description.material_changes) {
+        change.apply(&mut parts.materials)?;
+    }
+    parts.finish(description)
+}
+
+/// What a scene is made of, while files are read.
+#[derive(Default)]
+struct Parts {
+    meshes: Vec<Mesh>,
+    /// Which file each mesh came from.
+    files: HashMap<PathBuf, usize>,
+    instances: Vec<Instance>,
+    materials: Vec<Material>,
+    notes: Notes,
+}
+
+impl Parts {
+    /// Index of the mesh in an OBJ file, which is read once.
+    fn mesh(&mut self, path: &Path) -> Result<usize, SceneError> {
+        if let Some(&index) = self.files.get(path) {
+            return Ok(index);
+        }
+        if extension(path) != "obj" && path.exists() && !path.is_dir() {
+            return Err(SceneError::UnknownFormat { path: path.into() });
+        }
+        let mut file = read_obj(path, &mut self.notes)?;
+        let first = self.materials.len() as u32;
+        file.mesh.materials.iter_mut().for_each(|m| *m += first);
+        self.materials.append(&mut file.materials);
+        self.meshes.push(file.mesh);
+        self.files.insert(path.into(), self.meshes.len() - 1);
+        Ok(self.meshes.len() - 1)
+    }
+
+    fn finish(self, description: SceneDescription) -> Result<Loaded, SceneError> {
+        let scene = Scene::new(self.meshes, self.instances, self.materials, description.environment)?;
+        Ok(Loaded {
+            triangles: scene.triangles(),
+            dropped: scene.dropped(),
+            scene,
+            cameras: description.cameras,
+            notes: self.notes.into_lines(),
+            render: description.render,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests;

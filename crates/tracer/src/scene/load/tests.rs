@@ -1,0 +1,170 @@
+use std::fs;
+use std::path::Path;
+
+use glam::Vec3;
+use tempfile::TempDir;
+
+use super::{Loaded, load};
+use crate::Ray;
+use crate::camera::CameraDescription;
+use crate::material::Surface;
+
+const OBJ: &str = "mtllib a.mtl\nusemtl wall\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
+
+fn folder(scene: &str) -> TempDir {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("a.obj"), OBJ).unwrap();
+    fs::write(folder.path().join("a.mtl"), "newmtl wall\nKd .2 .4 .6\nnewmtl lamp\nKe 1 1 1\n").unwrap();
+    fs::write(folder.path().join("scene.toml"), scene).unwrap();
+    folder
+}
+
+fn loaded(scene: &str) -> Loaded {
+    load(&folder(scene).path().join("scene.toml")).unwrap()
+}
+
+fn refusal(scene: &str) -> String {
+    let folder = folder(scene);
+    let error = load(&folder.path().join("scene.toml")).unwrap_err();
+    error.to_string().replace(&format!("{}/", folder.path().display()), "")
+}
+
+const GEOMETRY: &str = "[[geometry]]\nfile = \"a.obj\"\n";
+
+#[test]
+fn an_obj_file_is_a_scene_by_itself() {
+    let folder = folder("");
+    let loaded = load(&folder.path().join("a.obj")).unwrap();
+    assert_eq!((loaded.triangles, loaded.cameras.len(), loaded.notes.len()), (2, 0, 0));
+    assert!(loaded.render.is_none() && loaded.scene.environment.is_none());
+}
+
+#[test]
+fn geometry_stands_where_it_is_put_and_is_read_once() {
+    let twice = "[[geometry]]\nfile = \"a.obj\"\ntransform = { translate = [0, 0, 5], scale = 2 }\n";
+    let scene = loaded(&format!("{GEOMETRY}{twice}")).scene;
+    assert_eq!((scene.triangles(), scene.materials.len()), (4, 3));
+    let ray = Ray { origin: Vec3::new(1.5, 0.4, 9.0), direction: -Vec3::Z, t_max: 100.0, time: 0.0 };
+    assert!((scene.intersect(&ray).unwrap().distance - 4.0).abs() < 1e-5);
+    assert_eq!(scene.bounds().max, Vec3::new(2.0, 2.0, 5.0));
+}
+
+#[test]
+fn cameras_are_one_or_many() {
+    let one = loaded(&format!("[camera]\neye = [0, 0, 9]\nlook_at = [0, 1, 0]\n{GEOMETRY}"));
+    let plain = CameraDescription::looking(Vec3::new(0.0, 0.0, 9.0), Vec3::Y);
+    assert_eq!(one.cameras, [(None, plain)]);
+    let many = loaded(&format!(
+        "[[camera]]\nname = \"front\"\neye = [0, 0, 9]\nlook_at = [0, 1, 0]\nfov = 30\nlens_radius = 0.1\nfocus_distance = 4\n\
+         shutter = [0, 0.5]\nup = [1, 0, 0]\n[[camera]]\neye = [1, 0, 0]\nlook_at = [0, 0, 0]\n{GEOMETRY}"
+    ));
+    assert_eq!(many.cameras.len(), 2);
+    let front = CameraDescription {
+        fov: 30.0,
+        lens_radius: 0.1,
+        focus_distance: Some(4.0),
+        shutter: [0.0, 0.5],
+        up: Vec3::X,
+        ..plain
+    };
+    assert_eq!(many.cameras[0], (Some("front".into()), front));
+}
+
+#[test]
+fn the_sky_is_colour_times_scale() {
+    let sky = |table: &str| loaded(&format!("{table}\n{GEOMETRY}")).scene.environment;
+    assert_eq!(sky("[environment]\ncolor = [1, 2, 3]\nscale = 0.5"), Some(Vec3::new(0.5, 1.0, 1.5)));
+    assert_eq!(sky("[environment]"), Some(Vec3::ONE));
+    assert_eq!(sky(""), None);
+}
+
+#[test]
+fn materials_are_changed_by_name() {
+    let changed = |table: &str| {
+        let scene = loaded(&format!("{GEOMETRY}[material.wall]\n{table}\n")).scene;
+        let index = scene.materials.iter().position(|m| m.name == "wall").unwrap();
+        scene.materials[index].clone()
+    };
+    let base = Vec3::new(0.2, 0.4, 0.6);
+    let material = changed("emission = [3, 2, 1]");
+    assert_eq!(material.emission, Vec3::new(3.0, 2.0, 1.0));
+    assert!(matches!(material.surface, Surface::Diffuse { reflectance } if reflectance.factor == base));
+    let rough = changed("metallic = 1\nroughness = 0.5").surface;
+    assert!(matches!(rough, Surface::Conductor { reflectance, alpha: 0.25 } if reflectance.factor == base));
+    assert!(matches!(changed("metallic = 1").surface, Surface::Mirror { .. }));
+    let glass = changed("transmission = 1\nior = 1.33\nbase_color = 0.9").surface;
+    assert!(matches!(glass, Surface::Glass { ior: 1.33, transmittance } if transmittance.factor == Vec3::splat(0.9)));
+    let coat = changed("roughness = 0.1\nspecular = 0.08").surface;
+    assert!(
+        matches!(coat, Surface::Coated { specular, diffuse, .. } if specular.factor == Vec3::splat(0.08) && diffuse.factor == base)
+    );
+}
+
+#[test]
+fn the_render_table_is_handed_on_with_its_lines() {
+    let scene = format!("[render]\nspp = 64\nsize = [640, 480]\n\npreset = \"best\"\nscale = 0.5\n{GEOMETRY}");
+    let render = loaded(&scene).render.unwrap();
+    let entries: Vec<_> = render.entries.iter().map(|e| (e.key.as_str(), e.text.as_str(), e.line)).collect();
+    assert_eq!(entries, [("spp", "64", 2), ("size", "640,480", 3), ("preset", "best", 5), ("scale", "0.5", 6)]);
+    assert!(render.file.ends_with("scene.toml"));
+}
+
+#[test]
+fn unknown_names_are_told_with_their_line_and_the_nearest_known_one() {
+    assert_eq!(
+        refusal(&format!("[camera]\neye = [0, 0, 9]\nlook_at = [0, 1, 0]\nlens_radus = 1\n{GEOMETRY}")),
+        "scene.toml:4: there is no key 'lens_radus'; did you mean 'lens_radius'?"
+    );
+    assert_eq!(
+        refusal(&format!("[enviroment]\n{GEOMETRY}")),
+        "scene.toml:1: there is no key 'enviroment'; did you mean 'environment'?"
+    );
+    assert_eq!(
+        refusal("[[geometry]]\nfile = \"a.obj\"\ntransform = { translation = [0, 0, 1] }\n"),
+        "scene.toml:3: there is no key 'translation'; did you mean 'translate'?"
+    );
+    assert_eq!(
+        refusal(&format!("{GEOMETRY}[material.wall]\nbase_colour = 1\n")),
+        "scene.toml:4: there is no key 'base_colour'; did you mean 'base_color'?"
+    );
+    assert_eq!(
+        refusal(&format!("{GEOMETRY}[material.well]\nroughness = 1\n")),
+        "scene.toml:3: there is no material 'well'; did you mean 'wall'?"
+    );
+}
+
+#[test]
+fn values_that_cannot_be_are_told_with_their_line() {
+    assert!(refusal("[camera]\neye = [0, 0, 9]\nlook_at = [0, 1, 0]\n").contains("at least one [[geometry]] table"));
+    assert!(refusal("[[geometry]]\nfile = \"b.obj\"\n").contains("b.obj: no such file"));
+    assert!(refusal("[[geometry]]\nfile = \"a.mtl\"\n").contains("a.mtl: expected a file that ends in .obj"));
+    let camera = |rest: &str| refusal(&format!("{GEOMETRY}[camera]\neye = [0, 0, 9]\n{rest}"));
+    assert!(camera("look_at = [0, 0, 9]\n").starts_with("scene.toml:5: camera look_at: found [0, 0, 9]"));
+    assert!(camera("look_at = [0, 0, 0]\nfov = 200\n").starts_with("scene.toml:6: camera fov: found 200"));
+    assert!(camera("look_at = [0, 0]\n").starts_with("scene.toml:5:"));
+    assert!(camera("look_at = [0, 0, 0]\nfov = \"wide\"\n").starts_with("scene.toml:6:"));
+    assert!(camera("").contains("look_at"));
+    let geometry = |transform: &str| refusal(&format!("{GEOMETRY}transform = {{ {transform} }}\n"));
+    assert_eq!(geometry("scale = 0"), "scene.toml:3: expected a transform that can be undone, found a singular one");
+    assert!(geometry("matrix = [1, 2]").contains("12 or 16 numbers"));
+    assert!(geometry("matrix = [1,0,0,0, 0,1,0,0, 0,0,1,0], scale = 2").contains("either matrix or its parts"));
+    assert!(
+        geometry("scale = \"big\"").contains("expected a number or three numbers"),
+        "{}",
+        geometry("scale = \"big\"")
+    );
+    let material = |rest: &str| refusal(&format!("{GEOMETRY}[material.wall]\n{rest}"));
+    assert_eq!(material("roughness = 2"), "scene.toml:4: expected a number from 0 to 1, found 2");
+    assert!(material("emission = [1, 2, -3]").contains("expected radiance of 0 or more"));
+    assert!(refusal("[[geometry]\n").starts_with("scene.toml:1:"));
+}
+
+#[test]
+fn what_is_no_scene_file_is_refused() {
+    let folder = folder("");
+    let refuse = |name: &str| load(&folder.path().join(name)).unwrap_err().to_string();
+    assert!(refuse("a.mtl").contains("expected a file that ends in .obj or .toml"));
+    assert!(refuse("none.xyz").contains("no such file"));
+    assert!(refuse("").contains("is a folder"));
+    assert!(load(Path::new("no/such/scene.toml")).unwrap_err().to_string().contains("no such file"));
+}

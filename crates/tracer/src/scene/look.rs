@@ -1,0 +1,128 @@
+//! The few numbers most renderers describe a surface with, and the surface they make.
+
+use glam::Vec3;
+
+use crate::material::{Colour, Surface};
+
+/// A surface described by base colour, coat, roughness, metalness and transmission (as in Burley 2012, reduced).
+#[derive(Clone, Debug)]
+pub(super) struct Look {
+    /// Colour of the diffuse base, of the metal, or tint of the glass.
+    pub(super) base: Colour,
+    /// Reflectance of the coat at normal incidence.
+    pub(super) coat: Colour,
+    /// GGX α; `None` where nothing was said.
+    pub(super) alpha: Option<f32>,
+    /// 0 … 1.
+    pub(super) metallic: f32,
+    /// 0 … 1; from one half on it is glass.
+    pub(super) transmission: f32,
+    /// Refractive index.
+    pub(super) ior: f32,
+}
+
+/// Reflectance at normal incidence of the common coat: glass of index 1.5.
+pub(super) const COMMON_COAT: f32 = 0.04;
+
+/// Below this α a metal is taken for a mirror.
+const SMOOTH: f32 = 0.01;
+
+impl Look {
+    /// A look that makes `surface` again.
+    pub(super) fn of(surface: &Surface) -> Self {
+        let bare = Colour::constant(Vec3::ZERO);
+        let plain = |base: &Colour| Self {
+            base: base.clone(),
+            coat: bare.clone(),
+            alpha: None,
+            metallic: 0.0,
+            transmission: 0.0,
+            ior: 1.5,
+        };
+        match surface {
+            Surface::Diffuse { reflectance } => plain(reflectance),
+            Surface::Mirror { reflectance } => Self { metallic: 1.0, alpha: Some(0.0), ..plain(reflectance) },
+            Surface::Conductor { reflectance, alpha } => {
+                Self { metallic: 1.0, alpha: Some(*alpha), ..plain(reflectance) }
+            }
+            Surface::Glass { ior, transmittance } => Self { transmission: 1.0, ior: *ior, ..plain(transmittance) },
+            Surface::Coated { diffuse, specular, alpha } => {
+                Self { coat: specular.clone(), alpha: Some(*alpha), ..plain(diffuse) }
+            }
+        }
+    }
+
+    /// Sets the refractive index, and the coat to what Fresnel's equations give for it at normal incidence.
+    pub(super) fn set_ior(&mut self, ior: f32) {
+        self.ior = ior;
+        let r = (ior - 1.0) / (ior + 1.0);
+        self.coat = Colour::constant(Vec3::splat(r * r));
+    }
+
+    /// The surface. Roughness or metalness without a coat bring the common one.
+    pub(super) fn surface(self) -> Surface {
+        if self.transmission >= 0.5 {
+            return Surface::Glass { ior: self.ior, transmittance: capped(self.base) };
+        }
+        if self.metallic >= 1.0 {
+            return metal(self.base, self.alpha);
+        }
+        let bare = self.coat.factor == Vec3::ZERO;
+        if bare && self.alpha.is_none() && self.metallic == 0.0 {
+            return Surface::Diffuse { reflectance: capped(self.base) };
+        }
+        let coat = if bare { Colour::constant(Vec3::splat(COMMON_COAT)) } else { self.coat };
+        coated(self.base, coat, self.metallic, self.alpha.unwrap_or(1.0))
+    }
+}
+
+/// A metal of reflectance `reflectance`; a mirror when it is hardly rough.
+pub(super) fn metal(reflectance: Colour, alpha: Option<f32>) -> Surface {
+    let reflectance = capped(reflectance);
+    match alpha {
+        Some(alpha) if alpha >= SMOOTH => Surface::Conductor { reflectance, alpha },
+        _ => Surface::Mirror { reflectance },
+    }
+}
+
+/// A diffuse base under a coat, both scaled so that together they reflect no more than they get. Metalness moves the
+/// base's colour to the coat.
+pub(super) fn coated(base: Colour, coat: Colour, metallic: f32, alpha: f32) -> Surface {
+    let specular = Colour { factor: coat.factor.lerp(base.factor, metallic), ..coat };
+    let diffuse = Colour { factor: base.factor * (1.0 - metallic), ..base };
+    let scale = 1.0 / (diffuse.factor + specular.factor).max_element().max(1.0);
+    let scaled = |colour: Colour| Colour { factor: colour.factor * scale, ..colour };
+    Surface::Coated { diffuse: scaled(diffuse), specular: scaled(specular), alpha }
+}
+
+/// At most 1.
+pub(super) fn capped(colour: Colour) -> Colour {
+    Colour { factor: colour.factor.clamp(Vec3::ZERO, Vec3::ONE), ..colour }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_look_makes_the_surface_it_was_taken_from() {
+        let c = |v: f32| Colour::constant(Vec3::splat(v));
+        let surfaces = [
+            Surface::Diffuse { reflectance: c(0.3) },
+            Surface::Mirror { reflectance: c(0.9) },
+            Surface::Conductor { reflectance: c(0.8), alpha: 0.2 },
+            Surface::Glass { ior: 1.3, transmittance: c(0.7) },
+            Surface::Coated { diffuse: c(0.5), specular: c(0.04), alpha: 0.1 },
+        ];
+        for surface in surfaces {
+            assert_eq!(format!("{:?}", Look::of(&surface).surface()), format!("{surface:?}"));
+        }
+    }
+
+    #[test]
+    fn glass_of_common_index_has_the_common_coat() {
+        let mut look = Look::of(&Surface::Diffuse { reflectance: Colour::constant(Vec3::ONE) });
+        look.set_ior(1.5);
+        assert!((look.coat.factor.x - COMMON_COAT).abs() < 1e-6);
+    }
+}
