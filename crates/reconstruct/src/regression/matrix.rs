@@ -46,7 +46,8 @@ fn add_gram_tile<S: Simd, const WIDTH: usize>(
     i: usize,
     j: usize,
 ) {
-    let mut sums = [[Lanes::splat(simd, 0.0); WIDTH]; 2];
+    // Sums go on from where they were, so that they do not depend on where rows are cut into blocks.
+    let mut sums: [[Lanes<S>; WIDTH]; 2] = [read_tile(simd, gram), read_tile(simd, &gram[columns..])];
     for row in rows.chunks_exact(columns) {
         let (left, right) = (&row[i..i + 2], &row[j..j + WIDTH]);
         for w in 0..WIDTH {
@@ -54,12 +55,15 @@ fn add_gram_tile<S: Simd, const WIDTH: usize>(
             sums[1][w] += left[1] * right[w];
         }
     }
-    for (below, sums) in sums.iter().enumerate() {
-        let to = &mut gram[below * columns..][..WIDTH];
-        for w in 0..WIDTH {
-            to[w] += sums[w];
-        }
-    }
+    gram[..WIDTH].copy_from_slice(&sums[0]);
+    gram[columns..columns + WIDTH].copy_from_slice(&sums[1]);
+}
+
+#[inline(always)]
+fn read_tile<S: Simd, const WIDTH: usize>(simd: S, from: &[Lanes<S>]) -> [Lanes<S>; WIDTH] {
+    let mut tile = [Lanes::splat(simd, 0.0); WIDTH];
+    tile.copy_from_slice(&from[..WIDTH]);
+    tile
 }
 
 /// Writes X·M to `product`, where X is `rows`, cut into rows of `inner` numbers, and `matrix` is M, `inner` × `columns`.

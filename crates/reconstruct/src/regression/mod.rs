@@ -17,6 +17,10 @@ mod reduce;
 mod robust_pca;
 mod row;
 mod symmetric_eigen;
+#[cfg(test)]
+mod tests;
+#[cfg(test)]
+mod twin;
 mod window;
 
 use rayon::prelude::*;

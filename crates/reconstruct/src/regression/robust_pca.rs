@@ -1,10 +1,10 @@
 //! Robust principal component analysis of the features in a window (eq. 9), by the inexact augmented Lagrangian
 //! method of Lin et al. 2010.
 //!
-//! With X = D − E + Y/μ, the low-rank step is A = X·P, where P = Σ max(0, 1 − 1/(μσ_j)) v_j v_jᵀ comes from the
-//! eigenvectors of XᵀX alone, and the multiplier after it is Y/μ = X − A. So an iteration is one walk over the rows
-//! (multiply by a small matrix, clip, add to a Gram matrix) and one small eigenproblem; no singular vectors of the tall
-//! side and no Y are ever formed.
+//! With X = D − E + Y/μ, the low-rank step is A = X Σ max(0, 1 − 1/(μσ_j)) v_j v_jᵀ, which needs the eigenvectors of XᵀX
+//! only, and the multiplier after it is Y/μ = X − A. So an iteration is one walk over the rows (multiply by two small
+//! matrices, clip, add to a Gram matrix) and one small eigenproblem; no singular vectors of the tall side and no Y are
+//! ever formed.
 
 use std::ops::Range;
 
@@ -77,10 +77,9 @@ pub(crate) struct RobustPca<S: Simd> {
     kept: Vec<usize>,
     rank: usize,
     factors: Vec<Lanes<S>>,
-    /// V_r, f V_rᵀ, their product P, and X·V_r.
+    /// V_r, f V_rᵀ, and X·V_r.
     onto: Vec<Lanes<S>>,
     back: Vec<Lanes<S>>,
-    shrink: Vec<Lanes<S>>,
     coordinates: Vec<Lanes<S>>,
     gram: Vec<Lanes<S>>,
     eigen: Eigen<S>,
@@ -106,7 +105,6 @@ impl<S: Simd> RobustPca<S> {
             factors: zeros(width),
             onto: zeros(width * width),
             back: zeros(width * width),
-            shrink: zeros(width * width),
             coordinates: zeros(BLOCK * width),
             gram: zeros(width * width),
             eigen: Eigen::with_capacity(simd, width),
@@ -258,22 +256,17 @@ impl<S: Simd> RobustPca<S> {
                 self.back[place * n + i] = value * factor;
             }
         }
-        multiply(self.simd, &mut self.shrink[..n * n], &self.onto[..n * rank], rank, &self.back[..rank * n], n);
     }
 
-    /// A, for the rows `target` of X: by way of V_r while that is cheaper than multiplying by P.
+    /// A, for a block of the rows of X.
     #[inline(always)]
     fn shrink(&mut self, block: Range<usize>) {
         let (simd, n, rank) = (self.simd, self.width, self.rank);
         let target = &self.target[block];
         let low = &mut self.low[..target.len()];
-        if 2 * rank < n {
-            let coordinates = &mut self.coordinates[..target.len() / n * rank];
-            multiply(simd, coordinates, target, n, &self.onto[..n * rank], rank);
-            multiply(simd, low, coordinates, rank, &self.back[..rank * n], n);
-        } else {
-            multiply(simd, low, target, n, &self.shrink[..n * n], n);
-        }
+        let coordinates = &mut self.coordinates[..target.len() / n * rank];
+        multiply(simd, coordinates, target, n, &self.onto[..n * rank], rank);
+        multiply(simd, low, coordinates, rank, &self.back[..rank * n], n);
     }
 
     /// The walk over the rows: A from X, then E, then the next X and its Gram matrix. `limit` is λ/μ. Returns
