@@ -1,1 +1,37 @@
-fn main() {}
+//! The `tamis` command: parses, hands over to one module per subcommand, and turns errors into exit codes.
+
+mod args;
+mod compare;
+mod denoise;
+mod experiment;
+mod exposure;
+mod failure;
+mod info;
+mod interrupt;
+mod options;
+mod output;
+mod progress;
+mod render;
+mod settings;
+
+use std::process::ExitCode;
+
+use args::Task;
+
+fn main() -> ExitCode {
+    let (cli, matches) = args::parse();
+    let outcome = match cli.command {
+        Task::Render(args) => render::run(&args, &matches),
+        Task::Denoise(args) => denoise::run(&args, &matches),
+        Task::Compare(args) => compare::run(&args),
+        Task::Info(args) => info::run(&args),
+        Task::Experiment(args) => experiment::run(&args),
+    };
+    match outcome {
+        Ok(verdict) => verdict.into(),
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            failure::exit_code(&error)
+        }
+    }
+}

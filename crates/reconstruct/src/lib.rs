@@ -1,12 +1,20 @@
 //! From noisy samples to a picture that knows its own error.
+//!
+//! Every stage is a plain function from inputs, settings and a monitor to results: [`spikes`], [`prefilter`],
+//! [`regression`], [`adaptive`]. [`reconstruct`] calls the first three in a row for each component of a stack.
 
 pub mod adaptive;
 pub mod box_filter;
 pub mod exp;
 pub mod metrics;
+mod pipeline;
 pub mod prefilter;
 pub mod regression;
+mod settings;
 pub mod spikes;
 #[cfg(test)]
 mod test_noise;
 pub mod variance;
+
+pub use pipeline::{ReconstructError, Reconstruction, reconstruct};
+pub use settings::Settings;

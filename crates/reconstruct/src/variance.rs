@@ -1,6 +1,6 @@
 //! Variances made fit for use: smoothed, and known everywhere.
 
-use stack::{Estimate, Image, Noise, SampleCounts};
+use stack::{Estimate, Image, Noise, SampleCounts, Size};
 
 use crate::box_filter::{box_mean, fill_unknown};
 
@@ -66,10 +66,31 @@ pub fn smoothed(variance: &Image, radius: usize) -> Option<Image> {
     known.then(|| Image::from_channels(size, channels))
 }
 
+/// `variance` without unknown values (NaN): they are taken from their neighbours, or, when nothing at all is known (one
+/// sample a pixel), from how much the `mean` differs within 3×3 pixels. The latter takes detail for noise.
+pub fn known_everywhere(mut variance: Image, mean: &Image) -> Image {
+    let size = variance.size();
+    for (channel, mean) in variance.channels_mut().iter_mut().zip(mean.channels()) {
+        fill_unknown(channel, size);
+        if channel.iter().any(|v| v.is_nan()) {
+            *channel = local_spread(mean, size);
+        }
+    }
+    variance
+}
+
+/// Unbiased variance of the values in each 3×3 block.
+fn local_spread(plane: &[f32], size: Size) -> Vec<f32> {
+    let mean = box_mean(plane, size, 1);
+    let squares: Vec<f32> = plane.iter().map(|v| v * v).collect();
+    let squares = box_mean(&squares, size, 1);
+    squares.iter().zip(&mean).map(|(square, mean)| (9.0 / 8.0 * (square - mean * mean)).max(0.0)).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use stack::{Dealing, Size};
+    use stack::Dealing;
 
     fn row(values: &[f32]) -> Image {
         Image::from_channels(Size::new(values.len(), 1), vec![values.to_vec()])
@@ -104,6 +125,15 @@ mod tests {
         let clamped = bucket_variance(&estimate, &counts, |_, x| x.min(1.0)).unwrap();
         let of_0_1_1_1 = 0.75 / (3.0 * 4.0);
         assert!((clamped.channels()[0][1] - of_0_1_1_1).abs() < 1e-6);
+    }
+
+    #[test]
+    fn variance_is_known_everywhere() {
+        let mended = known_everywhere(row(&[f32::NAN, 4.0, 2.0, 3.0]), &row(&[0.0; 4]));
+        assert_eq!(mended.channels()[0], [4.0, 4.0, 2.0, 3.0]);
+        let guessed = known_everywhere(row(&[f32::NAN; 4]), &row(&[1.0, 1.0, 4.0, 4.0]));
+        assert_eq!(guessed.channels()[0][0], 0.0);
+        assert!((guessed.channels()[0][1] - 9.0 / 8.0 * 2.0).abs() < 1e-5, "values 1 1 4 have a variance of 2");
     }
 
     #[test]

@@ -12,6 +12,11 @@ pub trait Monitor: Sync {
         let _ = units;
     }
 
+    /// Of the current stage, `seconds` of all threads together went to `step`.
+    fn spent(&self, step: &'static str, seconds: f64) {
+        let _ = (step, seconds);
+    }
+
     /// Whether to stop as soon as possible. Once true, it stays true.
     fn cancelled(&self) -> bool {
         false

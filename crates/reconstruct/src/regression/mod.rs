@@ -66,7 +66,7 @@ pub struct RegressionInput<'a> {
     pub active: Option<&'a [bool]>,
 }
 
-/// The steps that [`Regression::step_seconds`] tells apart, in order.
+/// The steps whose time is reported to the monitor, in order.
 pub const STEPS: [&str; 4] = ["reduce", "bandwidth", "curvature", "regression"];
 
 /// What the regression finds, one value per pixel.
@@ -83,22 +83,13 @@ pub struct Regression {
     /// How many pixels kept their colour, and its variance as error, because no other pixel of their window resembles
     /// them.
     pub kept: usize,
-    /// Seconds spent on each of [`STEPS`], all threads together. The only field that differs between equal runs.
-    pub step_seconds: [f64; STEPS.len()],
 }
 
 impl Regression {
     /// Nothing rebuilt yet: the colours of `input`, and no error.
     fn unchanged(input: &RegressionInput) -> Self {
         let nothing = vec![0.0; input.features.size.pixels()];
-        Self {
-            picture: input.colour.clone(),
-            mse: nothing.clone(),
-            bandwidth: nothing.clone(),
-            rank: nothing,
-            kept: 0,
-            step_seconds: [0.0; STEPS.len()],
-        }
+        Self { picture: input.colour.clone(), mse: nothing.clone(), bandwidth: nothing.clone(), rank: nothing, kept: 0 }
     }
 
     fn take(&mut self, y: usize, row: &Row) {
@@ -111,14 +102,11 @@ impl Regression {
         self.bandwidth[pixels.clone()].copy_from_slice(&row.bandwidth);
         self.rank[pixels].copy_from_slice(&row.rank);
         self.kept += row.kept;
-        for (sum, seconds) in self.step_seconds.iter_mut().zip(row.step_seconds) {
-            *sum += seconds;
-        }
     }
 }
 
 /// Rebuilds every active pixel by a local linear regression on the features of its window (sections 3.1, 4.3, 4.4).
-/// Reports one unit per row as stage `regression`.
+/// Reports one unit per row as stage `regression`, and how its time was spent on [`STEPS`].
 ///
 /// # Errors
 /// When `monitor` cancels.
@@ -144,6 +132,9 @@ pub fn regress(
     let mut regression = Regression::unchanged(input);
     for (y, row) in rows.iter().enumerate() {
         regression.take(y, row);
+    }
+    for (i, step) in STEPS.into_iter().enumerate() {
+        monitor.spent(step, rows.iter().map(|row| row.step_seconds[i]).sum());
     }
     Ok(regression)
 }

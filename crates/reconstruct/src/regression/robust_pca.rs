@@ -140,14 +140,7 @@ impl<S: Simd> RobustPca<S> {
     /// A lane that has converged is left as it is while others go on. When an iteration that updates E first stops
     /// early, E is the one of half a step later.
     #[inline(always)]
-    pub(crate) fn decompose(
-        &mut self,
-        width: usize,
-        labels: &[usize],
-        all: usize,
-        rows: Lanes<S>,
-        schedule: Schedule,
-    ) {
+    pub(crate) fn decompose(&mut self, width: usize, labels: &[usize], all: usize, rows: Lanes<S>, schedule: Schedule) {
         self.begin(width, labels, all);
         let (spectral, frobenius) = self.norms_of_data();
         let lambda = self.lambda(rows, all, schedule.lambda);

@@ -145,9 +145,8 @@ pub(crate) fn pixel(input: &RegressionInput, settings: &RegressionSettings, x: u
     let radius = settings.window.radius;
     let size = input.features.size;
     let (xs, ys) = (x.saturating_sub(radius)..=(x + radius).min(size.width - 1), y.saturating_sub(radius));
-    let neighbours: Vec<(usize, usize)> = (ys..=(y + radius).min(size.height - 1))
-        .flat_map(|j| xs.clone().map(move |i| (i, j)))
-        .collect();
+    let neighbours: Vec<(usize, usize)> =
+        (ys..=(y + radius).min(size.height - 1)).flat_map(|j| xs.clone().map(move |i| (i, j))).collect();
     let scales = scales(input.features, &neighbours);
     let difference = |i: usize, j: usize| -> DVector<f64> {
         let value = |p: &Vec<f32>| f64::from(p[size.index(i, j)]) - f64::from(p[size.index(x, y)]);

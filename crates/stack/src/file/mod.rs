@@ -11,6 +11,7 @@
 mod alias;
 mod atomic;
 mod error;
+mod foreign_emission;
 mod layers;
 mod pfm;
 mod picture;

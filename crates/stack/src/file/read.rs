@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::foreign_emission::split_emission;
 use super::picture::colour_prefix;
 use super::write::bucket_layer;
 use super::{FileError, Layers, StackHeader, alias};
@@ -221,34 +222,6 @@ fn bucket_stack(layers: Layers, colours: Vec<Image>, features: Vec<(FeatureRole,
         .map(|(role, buckets)| Feature { role, estimate: Estimate::from_buckets(buckets, &samples) })
         .collect();
     let mut notes = vec![format!("found {} buckets with colour{}", colours.len(), list(&features))];
-    let components = split_emission(colours, &samples, &mut notes);
+    let components = split_emission(colours, &features, &samples, &mut notes);
     ReadStack { stack: assemble(layers, samples, components, features), header: None, notes }
-}
-
-/// Moves what no bucket disagrees about (lamps and backgrounds seen directly) to a component of its own: a bright edge
-/// left in the scattered light spoils the fits around it.
-fn split_emission(mut buckets: Vec<Image>, samples: &SampleCounts, notes: &mut Vec<String>) -> Vec<Component> {
-    let (size, last) = (buckets[0].size(), buckets.len() - 1);
-    let mut emission = vec![Image::zeros(size, 3); buckets.len()];
-    let mut moved = 0;
-    for pixel in 0..size.pixels() {
-        let colour = buckets[0].rgb(pixel);
-        let seen_alike = buckets[1..=last].iter().all(|bucket| bucket.rgb(pixel) == colour);
-        if !seen_alike || colour == [0.0; 3] {
-            continue;
-        }
-        moved += 1;
-        for (from, to) in buckets.iter_mut().zip(&mut emission) {
-            for c in 0..3 {
-                to.channels_mut()[c][pixel] = std::mem::take(&mut from.channels_mut()[c][pixel]);
-            }
-        }
-    }
-    let scattered = Component { role: ComponentRole::Scattered, radiance: Estimate::from_buckets(buckets, samples) };
-    if moved == 0 {
-        return vec![scattered];
-    }
-    notes.push(format!("{moved} pixels are the same in every bucket: taken as emission seen directly"));
-    let radiance = Estimate::from_buckets(emission, samples);
-    vec![scattered, Component { role: ComponentRole::Emission, radiance }]
 }

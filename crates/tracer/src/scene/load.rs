@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use super::description::{RawRender, SceneDescription, read_description};
 use super::notes::Notes;
@@ -21,6 +22,8 @@ pub struct Loaded {
     pub notes: Vec<String>,
     /// The `[render]` table, as written.
     pub render: Option<RawRender>,
+    /// Seconds spent on the acceleration structure.
+    pub build_seconds: f64,
     /// Triangles, counting those of every instance.
     pub triangles: usize,
     /// Triangles no ray can hit, left out.
@@ -98,8 +101,10 @@ impl Parts {
     }
 
     fn finish(self, description: SceneDescription) -> Result<Loaded, SceneError> {
+        let start = Instant::now();
         let scene = Scene::new(self.meshes, self.instances, self.materials, description.environment)?;
         Ok(Loaded {
+            build_seconds: start.elapsed().as_secs_f64(),
             triangles: scene.triangles(),
             dropped: scene.dropped(),
             scene,

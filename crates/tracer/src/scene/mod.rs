@@ -18,7 +18,7 @@ mod surface;
 use glam::Vec3;
 
 pub use crate::bvh::{Bounds, Placement};
-pub use description::{RawRender, RenderEntry};
+pub use description::{RawRender, RenderEntry, nearest_name};
 pub use emitters::EmissiveTriangle;
 pub use error::{Place, SceneError};
 pub use guess::{Guess, guess_camera, guess_environment};

@@ -50,7 +50,7 @@ impl<'t> Lines<'t> {
 }
 
 /// The one of `known` that takes the fewest edits to become `name`.
-pub(super) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<String> {
+pub fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<String> {
     known.min_by_key(|candidate| edit_distance(name, candidate)).map(str::to_owned)
 }
 

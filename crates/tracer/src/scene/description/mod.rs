@@ -17,6 +17,7 @@ use toml::Spanned;
 
 pub(super) use geometry_table::Geometry;
 pub(super) use material_table::MaterialChange;
+pub use mistakes::nearest as nearest_name;
 pub use render_table::{RawRender, RenderEntry};
 
 use super::SceneError;

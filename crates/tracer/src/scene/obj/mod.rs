@@ -48,10 +48,11 @@ pub(super) fn read_obj(path: &Path, notes: &mut Notes) -> Result<ObjFile, SceneE
     let vertices = lines.vertices();
     let mut library = library.into_inner();
     lines.note(&library, notes);
-    let unnamed = library.default_material();
     let mut mesh = Mesh::default();
+    let mut unnamed = None;
     for model in models {
-        let material = model.mesh.material_id.unwrap_or(unnamed);
+        let mut without = || *unnamed.get_or_insert_with(|| library.default_material());
+        let material = model.mesh.material_id.unwrap_or_else(&mut without);
         mesh.append(mesh_of(model.mesh, material));
     }
     if mesh.triangles.is_empty() {

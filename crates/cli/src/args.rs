@@ -1,0 +1,277 @@
+//! Every flag of the command line. The doc comments are the help; settings of the libraries (`knobs!`) add theirs.
+
+use std::path::PathBuf;
+
+use clap::{Arg, ArgMatches, Args, Command, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
+use stack::Knobs;
+
+use crate::options::{Crop, PictureSize, Triple};
+use crate::settings::Settings;
+
+/// Renders a scene on the CPU, or denoises another renderer's feature stack.
+#[derive(Debug, Parser)]
+#[command(name = "tamis", version, arg_required_else_help = true, propagate_version = true)]
+pub struct Cli {
+    #[command(subcommand)]
+    pub command: Task,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Task {
+    /// Trace a scene and reconstruct its picture.
+    Render(Box<RenderArgs>),
+    /// Reconstruct the picture of an existing feature stack.
+    Denoise(DenoiseArgs),
+    /// Measure how far pictures are from a reference.
+    Compare(CompareArgs),
+    /// Say what a scene or stack holds, as Tamis reads it.
+    Info(InfoArgs),
+    /// Reproduce a table of the documentation.
+    Experiment(ExperimentArgs),
+}
+
+/// How much is said, and in what form.
+#[derive(Clone, Debug, Default, Args)]
+#[command(next_help_heading = "Reports")]
+pub struct ReportArgs {
+    /// Print one JSON object on standard output at the end.
+    #[arg(long)]
+    pub json: bool,
+    /// Say nothing on standard error but errors.
+    #[arg(long, short)]
+    pub quiet: bool,
+    /// Say more on standard error.
+    #[arg(long, short)]
+    pub verbose: bool,
+    /// Worker threads; the picture does not depend on it [default: one per core].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+}
+
+/// What is written where.
+#[derive(Clone, Debug, Default, Args)]
+#[command(next_help_heading = "Output")]
+pub struct OutputArgs {
+    /// Output file: .exr (all layers), .png, .hdr or .pfm; may be given more than once.
+    #[arg(long, short, value_name = "FILE")]
+    pub output: Vec<PathBuf>,
+    /// Layers of the .exr beside the picture: `inputs` (what `denoise` needs to start again), `all`, `none`, or a
+    /// comma-separated list of inputs, mse, samples, spikes, bandwidth, rank.
+    #[arg(long, value_name = "LIST", default_value = "inputs,mse")]
+    pub aov: String,
+    /// Exposure of the .png in stops [default: chosen from the picture].
+    #[arg(long, value_name = "EV", allow_negative_numbers = true)]
+    pub exposure: Option<f32>,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Preset {
+    /// The paper to the letter.
+    #[default]
+    Paper,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Method {
+    /// Robust PCA, propagation filter and local linear regression.
+    #[default]
+    Ours,
+    /// No reconstruction: the mean of the samples.
+    Ld,
+}
+
+/// How the picture is reconstructed.
+#[derive(Clone, Debug, Default, Args)]
+#[command(next_help_heading = "Picture")]
+pub struct PictureArgs {
+    /// Reconstruction method.
+    #[arg(long, value_enum, default_value_t)]
+    pub method: Method,
+    /// Settings to start from; single flags override it.
+    #[arg(long, value_enum, default_value_t)]
+    pub preset: Preset,
+}
+
+#[derive(Debug, Default, Args)]
+pub struct RenderArgs {
+    /// Scene: .obj (with its MTL) or .toml.
+    pub scene: PathBuf,
+
+    /// Camera position.
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, help_heading = "Camera")]
+    pub eye: Option<Triple>,
+    /// Point the camera looks at.
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, help_heading = "Camera")]
+    pub look_at: Option<Triple>,
+    /// Direction that is up in the picture.
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, help_heading = "Camera")]
+    pub up: Option<Triple>,
+    /// Vertical field of view in degrees.
+    #[arg(long, value_name = "DEG", help_heading = "Camera")]
+    pub fov: Option<f32>,
+    /// Radius of the lens in scene units; 0 is a pinhole.
+    #[arg(long, value_name = "R", help_heading = "Camera")]
+    pub lens_radius: Option<f32>,
+    /// Distance to the plane in focus.
+    #[arg(long, value_name = "D", help_heading = "Camera")]
+    pub focus_distance: Option<f32>,
+    /// Camera of the scene file to use.
+    #[arg(long, value_name = "NAME", help_heading = "Camera")]
+    pub camera: Option<String>,
+    /// Size of the picture [default: 512x512, or what the scene says].
+    #[arg(long, value_name = "WxH", help_heading = "Camera")]
+    pub size: Option<PictureSize>,
+    /// Trace only this rectangle of the picture.
+    #[arg(long, value_name = "X,Y,W,H", help_heading = "Camera")]
+    pub crop: Option<Crop>,
+
+    /// Radiance of a constant sky; replaces the scene's.
+    #[arg(long, value_name = "R,G,B", help_heading = "Light")]
+    pub env: Option<Triple>,
+    /// Factor on the sky's radiance.
+    #[arg(long, value_name = "S", help_heading = "Light")]
+    pub env_scale: Option<f32>,
+
+    /// Mean samples per pixel [default: 32, or what the scene says].
+    #[arg(long, value_name = "N", help_heading = "Work")]
+    pub spp: Option<u32>,
+    /// Stop after this time (`90s`, `5m`, `1h`).
+    #[arg(long, value_name = "TIME", value_parser = crate::options::duration, help_heading = "Work")]
+    pub time: Option<std::time::Duration>,
+    /// Stop when the estimated relative MSE of the picture is this low; exit 1 when the budget ends before.
+    #[arg(long, value_name = "E", help_heading = "Work")]
+    pub target_error: Option<f32>,
+    /// The same number of samples for every pixel.
+    #[arg(long, help_heading = "Work")]
+    pub uniform: bool,
+    /// Only this slice of the global range of sample numbers, for every pixel.
+    #[arg(long, value_name = "A..B", conflicts_with_all = ["spp", "time", "target_error"], help_heading = "Work")]
+    pub samples: Option<crate::options::SampleRange>,
+    /// Leave the picture as it was sampled.
+    #[arg(long, help_heading = "Picture")]
+    pub no_denoise: bool,
+
+    #[command(flatten)]
+    pub picture: PictureArgs,
+    #[command(flatten)]
+    pub output: OutputArgs,
+    #[command(flatten)]
+    pub report: ReportArgs,
+}
+
+#[derive(Debug, Args)]
+pub struct DenoiseArgs {
+    /// One stack: an .exr with layers.
+    #[arg(required_unless_present = "buckets", conflicts_with = "buckets")]
+    pub input: Option<PathBuf>,
+    /// Independent renders of the same picture, each with its own features.
+    #[arg(long, value_name = "FILE", num_args = 2..)]
+    pub buckets: Vec<PathBuf>,
+    /// Roles that must be there, comma-separated (position, albedo, normal, visibility, depth).
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    pub require: Vec<String>,
+    #[command(flatten)]
+    pub picture: PictureArgs,
+    #[command(flatten)]
+    pub output: OutputArgs,
+    #[command(flatten)]
+    pub report: ReportArgs,
+}
+
+#[derive(Debug, Args)]
+pub struct CompareArgs {
+    /// The picture that is right.
+    pub reference: PathBuf,
+    /// The pictures to measure.
+    #[arg(required = true)]
+    pub images: Vec<PathBuf>,
+    /// A second, independent reference: its noise no longer counts (`rmse_cross`).
+    #[arg(long, value_name = "FILE")]
+    pub ref2: Option<PathBuf>,
+    /// What keeps the relative measures finite where the reference is black.
+    #[arg(long, value_name = "E", default_value_t = 0.001)]
+    pub epsilon: f32,
+    /// Exit 1 when an image's relative MSE is above this.
+    #[arg(long, value_name = "X")]
+    pub max_rmse: Option<f64>,
+    /// Print JSON instead of a table.
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct InfoArgs {
+    /// Scenes (.obj, .toml) or stacks (.exr).
+    #[arg(required = true)]
+    pub files: Vec<PathBuf>,
+    /// Print JSON instead of text.
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct ExperimentArgs {
+    /// Which one.
+    #[arg(value_enum)]
+    pub name: crate::experiment::Experiment,
+    /// Inputs: folders of bucket stacks, or scenes, as the experiment says.
+    pub inputs: Vec<PathBuf>,
+    /// Folder for the table, the pictures and the references.
+    #[arg(long, short, value_name = "DIR")]
+    pub output: PathBuf,
+    /// Size of rendered pictures.
+    #[arg(long, value_name = "WxH", default_value = "256x256")]
+    pub size: PictureSize,
+    /// Samples per pixel of the pictures that are judged.
+    #[arg(long, value_name = "N,N…", value_delimiter = ',', default_value = "8,32")]
+    pub spp: Vec<u32>,
+    /// Samples per pixel of reference pictures.
+    #[arg(long, value_name = "N", default_value_t = 1024)]
+    pub reference_spp: u32,
+    #[command(flatten)]
+    pub report: ReportArgs,
+}
+
+/// The whole command line, with one flag for every setting of the libraries.
+pub fn command() -> Command {
+    let knobs = |command: Command| Settings::describe().into_iter().fold(command, with_knob);
+    Cli::command().mut_subcommand("render", knobs).mut_subcommand("denoise", knobs)
+}
+
+fn with_knob(command: Command, knob: stack::Knob) -> Command {
+    let range = if knob.range == ".." { String::new() } else { format!(", {}", knob.range) };
+    let help = format!("{} [default: {}{range}]", knob.help.trim().replace("\n ", " "), knob.default);
+    command.arg(
+        Arg::new(knob.flag.clone())
+            .long(knob.flag)
+            .value_name("VALUE")
+            .help(help)
+            .allow_hyphen_values(true)
+            .help_heading("Settings"),
+    )
+}
+
+/// Parses the process's arguments; usage errors end the process with exit code 2.
+pub fn parse() -> (Cli, ArgMatches) {
+    let matches = command().get_matches();
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    let (_, own) = matches.subcommand().map_or(("", ArgMatches::default()), |(name, own)| (name, own.clone()));
+    (cli, own)
+}
+
+/// The knobs that were given as flags, as (flag, value).
+pub fn given_knobs(matches: &ArgMatches) -> Vec<(String, String)> {
+    let given = |knob: stack::Knob| {
+        let value = matches.try_get_one::<String>(&knob.flag).ok().flatten()?.clone();
+        Some((knob.flag, value))
+    };
+    Settings::describe().into_iter().filter_map(given).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn the_command_line_is_consistent() {
+        super::command().debug_assert();
+    }
+}

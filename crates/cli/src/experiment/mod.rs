@@ -1,0 +1,52 @@
+//! `tamis experiment`: the tables of the documentation, made again by one command each.
+
+mod fireflies;
+mod reference;
+mod scenes;
+mod sequences;
+mod stages;
+mod table;
+
+use anyhow::{Context, Result};
+use clap::ValueEnum;
+
+use crate::args::ExperimentArgs;
+use crate::failure::Verdict;
+use crate::progress::Progress;
+use crate::{interrupt, render};
+
+/// The experiments there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Experiment {
+    /// Error with each stage switched off in turn, and how rank and bandwidth are distributed. Inputs: folders with
+    /// b0.exr, b1.exr …, ref1.exr and ref2.exr.
+    Stages,
+    /// Noisy, uniform and adaptive pictures of scenes at 8 and 32 spp. Inputs: scenes.
+    Scenes,
+    /// How many independent sequences the samples of a pixel should be dealt from. Inputs: scenes.
+    Sequences,
+    /// Planted fireflies found, and marks where there are none, on synthetic pictures. No inputs.
+    Fireflies,
+}
+
+/// Runs the command.
+pub fn run(args: &ExperimentArgs) -> Result<Verdict> {
+    render::start_threads(&args.report)?;
+    interrupt::listen();
+    std::fs::create_dir_all(&args.output)
+        .with_context(|| format!("{}: cannot make the folder", args.output.display()))?;
+    let progress = Progress::new(&args.report);
+    let tables = match args.name {
+        Experiment::Stages => stages::run(args, &progress)?,
+        Experiment::Scenes => scenes::run(args, &progress)?,
+        Experiment::Sequences => sequences::run(args, &progress)?,
+        Experiment::Fireflies => fireflies::run(&progress)?,
+    };
+    progress.finish();
+    let name = args.name.to_possible_value().map_or_else(String::new, |value| value.get_name().to_string());
+    let text: String = tables.iter().map(|table| format!("{table}\n")).collect();
+    let path = args.output.join(format!("{name}.md"));
+    std::fs::write(&path, &text).with_context(|| format!("{}: cannot write", path.display()))?;
+    print!("{text}");
+    Ok(Verdict::Done)
+}

@@ -1,0 +1,43 @@
+//! Reference pictures, traced once and kept in the experiment's folder.
+
+use std::path::Path;
+
+use anyhow::Result;
+use stack::Image;
+use stack::file::{read_picture, write_picture};
+use tracer::film::Film;
+
+use crate::args::ExperimentArgs;
+use crate::experiment::scenes::Stage;
+use crate::progress::Progress;
+use crate::render::{Budget, Sampling, trace_adaptively};
+use crate::settings::Settings;
+
+/// The picture of `stage` at `args.reference_spp` uniform samples, with a seed of its own, as one sequence.
+///
+/// # Errors
+/// When it can neither be read nor traced and written.
+pub fn reference(args: &ExperimentArgs, stage: &Stage, progress: &Progress) -> Result<Image> {
+    let size = stage.camera.film;
+    let file = args.output.join(format!("{}-{size}-{}spp.exr", stage.name, args.reference_spp));
+    if file.exists() {
+        return Ok(read_picture(&file)?);
+    }
+    trace_reference(args, stage, &file, progress)
+}
+
+fn trace_reference(args: &ExperimentArgs, stage: &Stage, file: &Path, progress: &Progress) -> Result<Image> {
+    progress.say(&format!("{}: reference of {} spp", stage.name, args.reference_spp));
+    let mut settings = Settings::default();
+    settings.trace.seed = u64::MAX >> 32;
+    (settings.trace.sequences, settings.trace.buckets) = (1, 1);
+    let film = Film::new(stack::Window::whole(stage.camera.film), stage.camera.film, &settings.trace);
+    let sampling = Sampling { scene: &stage.view.scene, camera: &stage.camera, settings: &settings, progress };
+    let finished = trace_adaptively(&sampling, film, &Budget::uniform(args.reference_spp), false)?;
+    if finished.interrupted {
+        return Err(stack::Cancelled.into());
+    }
+    let picture = finished.picture();
+    write_picture(file, &picture)?;
+    Ok(picture)
+}

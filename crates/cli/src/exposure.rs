@@ -1,0 +1,61 @@
+//! From linear radiance to an 8-bit picture for the eye.
+
+use stack::Image;
+
+/// Share of pixels that the automatic exposure lets clip.
+const CLIPPED: f64 = 0.03;
+
+/// Darkest and lightest linear grey that the median of the picture may end at.
+const MEDIAN: [f32; 2] = [0.12, 0.25];
+
+/// Stops by which `picture` should be lifted to fill an 8-bit range: all but the brightest 3 % of its pixels stay below
+/// white, as long as that leaves its median at a middle grey. 0 for a black picture.
+pub fn choose(picture: &Image) -> f32 {
+    let mut luminance: Vec<f32> = (0..picture.pixels())
+        .map(|pixel| picture.mean_at(pixel))
+        .filter(|value| value.is_finite() && *value > 0.0)
+        .collect();
+    if luminance.is_empty() {
+        return 0.0;
+    }
+    luminance.sort_by(f32::total_cmp);
+    let quantile = |share: f64| luminance[((luminance.len() - 1) as f64 * share) as usize];
+    let (bright, median) = (quantile(1.0 - CLIPPED), quantile(0.5));
+    let median = median.max(1e-3 * bright);
+    let factor = (1.0 / bright).clamp(MEDIAN[0] / median, MEDIAN[1] / median);
+    (factor.log2() * 10.0).round() / 10.0
+}
+
+/// sRGB bytes, row-major, of `picture` lifted by `stops`.
+pub fn to_srgb8(picture: &Image, stops: f32) -> Vec<u8> {
+    let factor = stops.exp2();
+    let byte = |value: f32| (encode_srgb((value * factor).clamp(0.0, 1.0)) * 255.0 + 0.5) as u8;
+    (0..picture.pixels()).flat_map(|pixel| picture.rgb(pixel).map(byte)).collect()
+}
+
+/// The sRGB transfer function (IEC 61966-2-1).
+fn encode_srgb(linear: f32) -> f32 {
+    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use stack::Size;
+
+    #[test]
+    fn exposure_is_undone_by_scaling_the_light() {
+        let planes = vec![(1..=100).map(|i| i as f32 / 100.0).collect::<Vec<f32>>(); 3];
+        let picture = Image::from_channels(Size::new(10, 10), planes.clone());
+        let brighter = planes.iter().map(|plane| plane.iter().map(|v| v * 8.0).collect()).collect();
+        let brighter = Image::from_channels(Size::new(10, 10), brighter);
+        assert!((choose(&picture) - choose(&brighter) - 3.0).abs() < 0.11);
+        assert_eq!(choose(&Image::zeros(Size::new(2, 2), 3)), 0.0);
+    }
+
+    #[test]
+    fn white_is_white_and_nan_is_black() {
+        let picture = Image::from_channels(Size::new(1, 1), vec![vec![1.0], vec![f32::NAN], vec![0.5]]);
+        assert_eq!(to_srgb8(&picture, 0.0), [255, 0, 188]);
+    }
+}

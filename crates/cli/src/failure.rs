@@ -1,0 +1,70 @@
+//! Exit codes.
+
+use std::process::ExitCode;
+
+use stack::Fault;
+
+/// How a command that did its work ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// All is well: exit 0.
+    Done,
+    /// A limit was exceeded or a target missed: exit 1.
+    No,
+    /// Interrupted, and what there is was kept: exit 130.
+    Interrupted,
+}
+
+impl From<Verdict> for ExitCode {
+    fn from(verdict: Verdict) -> Self {
+        match verdict {
+            Verdict::Done => Self::SUCCESS,
+            Verdict::No => Self::from(1),
+            Verdict::Interrupted => Self::from(130),
+        }
+    }
+}
+
+/// A mistake in the call that `clap` cannot see.
+#[derive(Debug)]
+pub struct UsageError(pub String);
+
+impl std::fmt::Display for UsageError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for UsageError {}
+
+/// A usage error as an [`anyhow::Error`].
+pub fn usage(message: impl Into<String>) -> anyhow::Error {
+    UsageError(message.into()).into()
+}
+
+/// The exit code of the first error in the chain that says whose fault it is.
+pub fn exit_code(error: &anyhow::Error) -> ExitCode {
+    match error.chain().find_map(fault).unwrap_or(Fault::Machine) {
+        Fault::Usage | Fault::Input => ExitCode::from(2),
+        Fault::Machine => ExitCode::from(3),
+        Fault::Interrupted => ExitCode::from(130),
+    }
+}
+
+fn fault(error: &(dyn std::error::Error + 'static)) -> Option<Fault> {
+    macro_rules! ask {
+        ($($type:ty),*) => { $(if let Some(error) = error.downcast_ref::<$type>() { return Some(error.fault()); })* };
+    }
+    ask!(
+        stack::file::FileError,
+        tracer::scene::SceneError,
+        tracer::integrator::TraceError,
+        tracer::camera::CameraError,
+        reconstruct::ReconstructError,
+        reconstruct::metrics::ComparisonError
+    );
+    if error.is::<UsageError>() || error.is::<stack::KnobError>() {
+        return Some(Fault::Usage);
+    }
+    error.is::<stack::Cancelled>().then_some(Fault::Interrupted)
+}

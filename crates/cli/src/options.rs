@@ -1,0 +1,124 @@
+//! Values of flags, read from text and checked.
+
+use std::str::FromStr;
+use std::time::Duration;
+
+use stack::{Size, Window};
+
+/// Three numbers: `x,y,z`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Triple(pub [f32; 3]);
+
+impl FromStr for Triple {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers = numbers::<f32>(text, ',')?;
+        match numbers[..] {
+            [x, y, z] if numbers.iter().all(|n| n.is_finite()) => Ok(Self([x, y, z])),
+            _ => Err("expected three finite numbers, as in 1,2.5,-3".into()),
+        }
+    }
+}
+
+/// Size of a picture: `WxH`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PictureSize(pub Size);
+
+/// Longest side of a picture; a row must fit the file format and the memory of a machine.
+const LONGEST_SIDE: usize = 1 << 16;
+
+impl FromStr for PictureSize {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match numbers::<usize>(text, 'x')?[..] {
+            [width, height] if (1..=LONGEST_SIDE).contains(&width) && (1..=LONGEST_SIDE).contains(&height) => {
+                Ok(Self(Size::new(width, height)))
+            }
+            _ => Err(format!("expected a width and a height from 1 to {LONGEST_SIDE}, as in 640x480")),
+        }
+    }
+}
+
+/// A rectangle of the picture: `x,y,w,h`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Crop(pub Window);
+
+impl FromStr for Crop {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match numbers::<i32>(text, ',')?[..] {
+            [x, y, w, h] if x >= 0 && y >= 0 && w > 0 && h > 0 => {
+                Ok(Self(Window { x, y, size: Size::new(w as usize, h as usize) }))
+            }
+            _ => Err("expected four whole numbers x,y,w,h with x and y from 0, w and h from 1".into()),
+        }
+    }
+}
+
+/// A range of sample numbers: `A..B`, B excluded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SampleRange {
+    pub first: u32,
+    pub count: u32,
+}
+
+impl FromStr for SampleRange {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = || "expected two whole numbers A..B with A below B".to_string();
+        let (a, b) = text.split_once("..").ok_or_else(wrong)?;
+        let (first, end): (u32, u32) = (a.parse().map_err(|_| wrong())?, b.parse().map_err(|_| wrong())?);
+        if first < end { Ok(Self { first, count: end - first }) } else { Err(wrong()) }
+    }
+}
+
+/// A time with its unit: `90s`, `5m`, `1h`.
+pub fn duration(text: &str) -> Result<Duration, String> {
+    let wrong = || "expected a number and s, m or h, as in 90s".to_string();
+    let seconds = match text.chars().last() {
+        Some('s') => 1.0,
+        Some('m') => 60.0,
+        Some('h') => 3600.0,
+        _ => return Err(wrong()),
+    };
+    let number: f64 = text[..text.len() - 1].parse().map_err(|_| wrong())?;
+    Duration::try_from_secs_f64(number * seconds).map_err(|_| wrong())
+}
+
+fn numbers<T: FromStr>(text: &str, separator: char) -> Result<Vec<T>, String> {
+    let number = |part: &str| part.trim().parse().map_err(|_| format!("'{part}' is not a number"));
+    text.split(separator).map(number).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_checked() {
+        assert_eq!("640x480".parse(), Ok(PictureSize(Size::new(640, 480))));
+        for wrong in ["0x10", "10", "10x", "axb", "-3x5", "10x20x30", "70000x1"] {
+            assert!(wrong.parse::<PictureSize>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn times_have_units() {
+        assert_eq!(duration("1.5m"), Ok(Duration::from_secs(90)));
+        for wrong in ["", "s", "5", "-3s", "1e400h", "5 parsecs"] {
+            assert!(duration(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn triples_and_ranges_are_checked() {
+        assert_eq!("-1,2,3.5".parse(), Ok(Triple([-1.0, 2.0, 3.5])));
+        assert!("1,2".parse::<Triple>().is_err() && "1,2,nan".parse::<Triple>().is_err());
+        assert_eq!("4..9".parse(), Ok(SampleRange { first: 4, count: 5 }));
+        assert!("9..9".parse::<SampleRange>().is_err() && "9".parse::<SampleRange>().is_err());
+    }
+}

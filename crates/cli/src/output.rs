@@ -1,0 +1,177 @@
+//! Writes pictures and stacks in the formats that were asked for.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use reconstruct::Reconstruction;
+use stack::file::{ResultLayer, StackHeader, check_writable, write_atomically, write_pfm, write_stack};
+use stack::{FeatureStack, Image};
+
+use crate::args::OutputArgs;
+use crate::exposure;
+use crate::failure::usage;
+use crate::progress::Progress;
+
+/// What may stand in `--aov`.
+const LAYERS: [&str; 6] = ["inputs", "mse", "samples", "spikes", "bandwidth", "rank"];
+
+/// Validated output options.
+#[derive(Clone, Debug)]
+pub struct Outputs {
+    files: Vec<PathBuf>,
+    layers: Vec<String>,
+    exposure: Option<f32>,
+}
+
+impl Outputs {
+    /// Checks formats, layer names and that every file can be written, before any work is done. Without `--output`,
+    /// the outputs are `stem`.exr and `stem`.png in the working directory.
+    ///
+    /// # Errors
+    /// An unknown format or layer, or a place that cannot be written to.
+    pub fn prepare(args: &OutputArgs, stem: &str) -> Result<Self> {
+        let mut files = args.output.clone();
+        if files.is_empty() {
+            files = ["exr", "png"].map(|ending| PathBuf::from(format!("{stem}.{ending}"))).to_vec();
+        }
+        for file in &files {
+            if !["exr", "png", "hdr", "pfm"].contains(&ending(file).as_str()) {
+                return Err(usage(format!(
+                    "{}: expected a name that ends in .exr, .png, .hdr or .pfm",
+                    file.display()
+                )));
+            }
+            check_writable(file)?;
+        }
+        Ok(Self { files, layers: layers(&args.aov)?, exposure: args.exposure })
+    }
+
+    /// The files, in the order given.
+    pub fn files(&self) -> &[PathBuf] {
+        &self.files
+    }
+
+    /// Writes every output.
+    ///
+    /// # Errors
+    /// When one cannot be written; those before it are complete.
+    pub fn write(&self, written: &Written<'_>, progress: &Progress) -> Result<()> {
+        for file in &self.files {
+            match ending(file).as_str() {
+                "exr" => self.write_exr(file, written)?,
+                "pfm" => write_pfm(file, written.picture)?,
+                "hdr" => write_hdr(file, written.picture)?,
+                _ => write_png(file, written.picture, self.stops(file, written.picture, progress))?,
+            }
+        }
+        Ok(())
+    }
+
+    fn write_exr(&self, file: &Path, written: &Written<'_>) -> Result<()> {
+        let wants = |layer: &str| self.layers.iter().any(|l| l == layer);
+        let samples: Vec<Vec<f32>> = vec![written.stack.samples.total.iter().map(|&n| n as f32).collect()];
+        let single = |plane: &[f32]| vec![plane.to_vec()];
+        let maps = written.reconstruction.map(|r| (single(&r.mse), single(&r.bandwidth), single(&r.rank)));
+        let mut results =
+            vec![ResultLayer { name: "", channels: &["R", "G", "B"], planes: written.picture.channels() }];
+        let with_inputs = wants("inputs");
+        if wants("samples") && !with_inputs {
+            results.push(ResultLayer { name: "samples", channels: &["Y"], planes: &samples });
+        }
+        if let (Some((mse, bandwidth, rank)), Some(reconstruction)) = (&maps, written.reconstruction) {
+            let spikes = reconstruction.spikes.channels();
+            let rgb: &[&str] = &["R", "G", "B"];
+            let layer = |name, channels, planes| ResultLayer { name, channels, planes };
+            let layers = [
+                layer("mse", &["Y"], &mse[..]),
+                layer("bandwidth", &["Y"], bandwidth),
+                layer("rank", &["Y"], rank),
+                layer("spikes", rgb, spikes),
+            ];
+            results.extend(layers.into_iter().filter(|layer| wants(layer.name)));
+        }
+        Ok(write_stack(file, written.stack, with_inputs, written.header, &results)?)
+    }
+
+    /// The exposure that was given, or one chosen from the picture and said.
+    fn stops(&self, file: &Path, picture: &Image, progress: &Progress) -> f32 {
+        self.exposure.unwrap_or_else(|| {
+            let stops = exposure::choose(picture);
+            progress.say(&format!("guessed an exposure of {stops:+.1} stops for {} (--exposure)", file.display()));
+            stops
+        })
+    }
+
+    /// Writes what an interrupted run has to `file`, with all that a reconstruction needs.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn write_partial(&self, file: &Path, written: &Written<'_>) -> Result<()> {
+        let with_inputs = Self { layers: vec!["inputs".into()], ..self.clone() };
+        with_inputs.write_exr(file, written)
+    }
+}
+
+/// Writes an 8-bit sRGB picture, lifted by `stops`.
+///
+/// # Errors
+/// When it cannot be written.
+pub fn write_png(file: &Path, picture: &Image, stops: f32) -> Result<()> {
+    let size = picture.size();
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    let pixels = exposure::to_srgb8(picture, stops);
+    let (width, height) = (size.width as u32, size.height as u32);
+    image::write_buffer_with_format(
+        &mut bytes,
+        &pixels,
+        width,
+        height,
+        image::ColorType::Rgb8,
+        image::ImageFormat::Png,
+    )
+    .with_context(|| format!("{}: cannot encode", file.display()))?;
+    write_bytes(file, bytes.get_ref())
+}
+
+/// What a run produced.
+pub struct Written<'a> {
+    pub picture: &'a Image,
+    pub stack: &'a FeatureStack,
+    pub reconstruction: Option<&'a Reconstruction>,
+    pub header: &'a StackHeader,
+}
+
+/// The file's ending in lower case.
+pub fn ending(file: &Path) -> String {
+    file.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
+}
+
+fn layers(list: &str) -> Result<Vec<String>> {
+    match list {
+        "none" => return Ok(Vec::new()),
+        "all" => return Ok(LAYERS.map(String::from).to_vec()),
+        _ => {}
+    }
+    let layers: Vec<String> = list.split(',').map(|layer| layer.trim().to_string()).collect();
+    match layers.iter().find(|layer| !LAYERS.contains(&layer.as_str())) {
+        Some(unknown) => Err(usage(format!("--aov: '{unknown}' is none of all, none, {}", LAYERS.join(", ")))),
+        None => Ok(layers),
+    }
+}
+
+fn write_hdr(file: &Path, picture: &Image) -> Result<()> {
+    let size = picture.size();
+    let pixels: Vec<image::Rgb<f32>> = (0..picture.pixels()).map(|pixel| image::Rgb(picture.rgb(pixel))).collect();
+    let mut bytes = Vec::new();
+    image::codecs::hdr::HdrEncoder::new(&mut bytes)
+        .encode(&pixels, size.width, size.height)
+        .with_context(|| format!("{}: cannot encode", file.display()))?;
+    write_bytes(file, &bytes)
+}
+
+fn write_bytes(file: &Path, bytes: &[u8]) -> Result<()> {
+    Ok(write_atomically(file, |out| {
+        out.write_all(bytes).map_err(|source| stack::file::FileError::Io { path: file.into(), action: "write", source })
+    })?)
+}

@@ -1,0 +1,121 @@
+//! Progress on standard error, and the time each stage took.
+
+use std::io::IsTerminal;
+use std::sync::Mutex;
+use std::time::Instant;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use stack::Monitor;
+
+use crate::args::ReportArgs;
+use crate::interrupt;
+
+/// Draws a bar when standard error is a terminal, times stages, and cancels on Ctrl-C.
+pub struct Progress {
+    bar: ProgressBar,
+    quiet: bool,
+    verbose: bool,
+    stages: Mutex<Stages>,
+}
+
+#[derive(Default)]
+struct Stages {
+    running: Option<(&'static str, Instant)>,
+    /// What the running stage says its time went to.
+    steps: Vec<(&'static str, f64)>,
+    seconds: Vec<(&'static str, f64)>,
+}
+
+impl Progress {
+    /// A monitor that says as much as `report` asks for.
+    pub fn new(report: &ReportArgs) -> Self {
+        let draw = !report.quiet && std::io::stderr().is_terminal();
+        let target = if draw { ProgressDrawTarget::stderr_with_hz(10) } else { ProgressDrawTarget::hidden() };
+        let bar = ProgressBar::with_draw_target(Some(0), target);
+        let template = "{msg:>12} {wide_bar} {percent:>3} %  {eta} left";
+        bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));
+        Self { bar, quiet: report.quiet, verbose: report.verbose, stages: Mutex::default() }
+    }
+
+    /// Says one line, unless quiet.
+    pub fn say(&self, line: &str) {
+        if !self.quiet {
+            self.bar.suspend(|| eprintln!("{line}"));
+        }
+    }
+
+    /// Says one line when asked to say more.
+    pub fn whisper(&self, line: &str) {
+        if self.verbose {
+            self.say(line);
+        }
+    }
+
+    /// Ends the running stage.
+    pub fn finish(&self) {
+        self.switch(None);
+        self.bar.finish_and_clear();
+    }
+
+    /// Seconds spent in stage `name`, all its runs together.
+    pub fn seconds(&self, name: &str) -> f64 {
+        self.stage_seconds().iter().find(|(stage, _)| *stage == name).map_or(0.0, |(_, seconds)| *seconds)
+    }
+
+    /// Seconds of every stage so far, in order of first appearance.
+    pub fn stage_seconds(&self) -> Vec<(&'static str, f64)> {
+        self.stages.lock().map(|stages| stages.seconds.clone()).unwrap_or_default()
+    }
+
+    fn switch(&self, next: Option<&'static str>) {
+        let Ok(mut stages) = self.stages.lock() else { return };
+        let now = Instant::now();
+        if let Some((name, since)) = stages.running.take() {
+            stages.divide(name, (now - since).as_secs_f64());
+        }
+        stages.running = next.map(|name| (name, now));
+    }
+}
+
+impl Stages {
+    /// Books a stage's time, shared among its steps when it has told of any.
+    fn divide(&mut self, name: &'static str, spent: f64) {
+        let steps = std::mem::take(&mut self.steps);
+        let total: f64 = steps.iter().map(|(_, seconds)| seconds).sum();
+        if total > 0.0 {
+            steps.iter().for_each(|(step, seconds)| self.add(step, spent * seconds / total));
+        } else {
+            self.add(name, spent);
+        }
+    }
+
+    fn add(&mut self, name: &'static str, spent: f64) {
+        match self.seconds.iter_mut().find(|(stage, _)| *stage == name) {
+            Some((_, seconds)) => *seconds += spent,
+            None => self.seconds.push((name, spent)),
+        }
+    }
+}
+
+impl Monitor for Progress {
+    fn begin(&self, stage: &'static str, units: u64) {
+        self.switch(Some(stage));
+        self.bar.reset();
+        self.bar.set_length(units);
+        self.bar.set_message(stage);
+    }
+
+    fn advance(&self, units: u64) {
+        self.bar.inc(units);
+    }
+
+    fn spent(&self, step: &'static str, seconds: f64) {
+        if let Ok(mut stages) = self.stages.lock() {
+            stages.steps.push((step, seconds));
+        }
+    }
+
+    fn cancelled(&self) -> bool {
+        interrupt::requested()
+    }
+}

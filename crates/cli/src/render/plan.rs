@@ -1,0 +1,119 @@
+//! What a render shall do, resolved from flags, the scene's `[render]` table and defaults.
+
+use std::time::Duration;
+
+use anyhow::Result;
+use clap::ArgMatches;
+use stack::{Knobs, Size, Window};
+use tracer::scene::{RawRender, nearest_name};
+
+use super::adaptive_loop::Budget;
+use crate::args::RenderArgs;
+use crate::failure::usage;
+use crate::options::PictureSize;
+use crate::settings::Settings;
+
+/// Size of a picture when neither flag nor scene says.
+const SIZE: Size = Size::new(512, 512);
+
+/// Mean samples per pixel when nothing bounds the work.
+const SPP: u32 = 32;
+
+/// A validated render.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// Size of the whole film.
+    pub size: Size,
+    /// The part of it to trace.
+    pub window: Window,
+    /// When to stop.
+    pub budget: Budget,
+    /// Whether to reconstruct.
+    pub reconstruct: bool,
+    /// Everything else.
+    pub settings: Settings,
+}
+
+impl Plan {
+    /// Resolves flags over the scene's own wishes over defaults.
+    ///
+    /// # Errors
+    /// A value that cannot be read, is out of range, or a crop outside the picture.
+    pub fn new(args: &RenderArgs, matches: &ArgMatches, scene: Option<&RawRender>) -> Result<Self> {
+        let mut settings = Settings::of(args.picture.preset);
+        let wishes = Wishes::read(scene, &mut settings)?;
+        settings.override_by(matches)?;
+        let size = args.size.map(|s| s.0).or(wishes.size).unwrap_or(SIZE);
+        let window = match args.crop {
+            Some(crop) => inside(crop.0, size)?,
+            None => Window::whole(size),
+        };
+        let budget = budget(args, wishes.spp)?;
+        Ok(Self { size, window, budget, reconstruct: Self::wants_reconstruction(args), settings })
+    }
+}
+
+fn inside(crop: Window, size: Size) -> Result<Window> {
+    let fits = |start: i32, length: usize, whole: usize| start as usize + length <= whole;
+    if fits(crop.x, crop.size.width, size.width) && fits(crop.y, crop.size.height, size.height) {
+        return Ok(crop);
+    }
+    Err(usage(format!("--crop: the rectangle reaches outside the picture of {size}")))
+}
+
+fn budget(args: &RenderArgs, scene_spp: Option<u32>) -> Result<Budget> {
+    if args.spp == Some(0) {
+        return Err(usage("--spp: expected at least 1 sample per pixel, found 0"));
+    }
+    let bounded = args.time.is_some() || args.target_error.is_some();
+    let spp = match args.spp.or(scene_spp) {
+        None if bounded => None,
+        spp => Some(spp.unwrap_or(SPP)),
+    };
+    let (first, spp) = args.samples.map_or((0, spp), |slice| (slice.first, Some(slice.count)));
+    Ok(Budget {
+        first,
+        spp,
+        time: args.time.unwrap_or(Duration::MAX),
+        target_error: args.target_error,
+        uniform: args.uniform || args.samples.is_some(),
+    })
+}
+
+/// What the scene's `[render]` table asks for beside settings.
+#[derive(Default)]
+struct Wishes {
+    size: Option<Size>,
+    spp: Option<u32>,
+}
+
+impl Wishes {
+    fn read(scene: Option<&RawRender>, settings: &mut Settings) -> Result<Self> {
+        let mut wishes = Self::default();
+        let Some(table) = scene else { return Ok(wishes) };
+        for entry in &table.entries {
+            let place = |message: String| usage(format!("{}:{}: {message}", table.file.display(), entry.line));
+            match entry.key.as_str() {
+                "size" => wishes.size = Some(entry.text.parse::<PictureSize>().map_err(place)?.0),
+                "spp" => {
+                    let wrong = || place(format!("expected a whole number, found '{}'", entry.text));
+                    wishes.spp = Some(entry.text.parse().map_err(|_| wrong())?);
+                }
+                key => match settings.set(&key.replace('_', "-"), &entry.text) {
+                    Some(outcome) => outcome.map_err(|error| place(error.to_string()))?,
+                    None => return Err(place(unknown(key))),
+                },
+            }
+        }
+        Ok(wishes)
+    }
+}
+
+fn unknown(key: &str) -> String {
+    let known = Settings::describe().into_iter().map(|knob| knob.flag.replace('-', "_"));
+    let known: Vec<String> = known.chain(["size".into(), "spp".into()]).collect();
+    match nearest_name(key, known.iter().map(String::as_str)) {
+        Some(nearest) => format!("unknown key '{key}' in [render]; the nearest known one is '{nearest}'"),
+        None => format!("unknown key '{key}' in [render]"),
+    }
+}

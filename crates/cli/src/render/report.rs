@@ -1,0 +1,86 @@
+//! The JSON that `render` and `denoise` print.
+
+use reconstruct::adaptive::estimated_rmse as relative_mse;
+use serde_json::{Map, Value, json};
+use stack::Image;
+
+use super::{Finished, Plan};
+use crate::output::{Outputs, Written};
+use crate::progress::Progress;
+
+/// Seconds of the steps that are no stage of the loop.
+pub struct Clock {
+    pub load: f64,
+    pub build: f64,
+    pub write: f64,
+    pub total: f64,
+}
+
+/// The object `render --json` prints. Unknown values are `null`.
+pub fn render(
+    outputs: &Outputs,
+    written: &Written<'_>,
+    plan: &Plan,
+    finished: &Finished,
+    clock: &Clock,
+    progress: &Progress,
+) -> Value {
+    let size = written.stack.size();
+    let (mean, min, max) = written.stack.samples.mean_min_max();
+    let trace = progress.seconds("trace");
+    let reconstruct: f64 = progress.stage_seconds().iter().map(|(_, seconds)| seconds).sum::<f64>() - trace;
+    let iterations: Vec<Value> = finished
+        .rounds
+        .iter()
+        .map(|round| json!({"spp": round.spp, "estimated_rmse": round.estimated_rmse, "seconds": round.seconds}))
+        .collect();
+    json!({
+        "output": outputs.files(),
+        "width": size.width,
+        "height": size.height,
+        "spp": {"mean": mean, "min": min, "max": max},
+        "samples": finished.samples,
+        "rays": finished.rays,
+        "not_finite": finished.not_finite,
+        "seconds": {
+            "load": clock.load, "build": clock.build, "trace": trace, "reconstruct": reconstruct,
+            "write": clock.write, "total": clock.total,
+        },
+        "stages": stages(progress),
+        "estimated_rmse": estimated_rmse(written),
+        "energy": energy(written),
+        "iterations": iterations,
+        "peak_bytes": peak_bytes(),
+        "seed": plan.settings.trace.seed,
+        "preset": "paper",
+        "settings": plan.settings,
+    })
+}
+
+/// Seconds per stage of the reconstruction.
+pub fn stages(progress: &Progress) -> Value {
+    let stages = progress.stage_seconds().into_iter().filter(|(name, _)| *name != "trace");
+    Value::Object(stages.map(|(name, seconds)| (name.to_string(), json!(seconds))).collect::<Map<_, _>>())
+}
+
+/// Estimated relative MSE of the picture, when it was reconstructed.
+pub fn estimated_rmse(written: &Written<'_>) -> Option<f64> {
+    written.reconstruction.map(|r| relative_mse(&r.mse, &r.picture))
+}
+
+/// Mean radiance of the noisy picture and of the result.
+pub fn energy(written: &Written<'_>) -> Value {
+    let mean = |image: &Image| {
+        let sum: f64 = image.channels().iter().flatten().map(|v| f64::from(*v)).sum();
+        sum / (3 * image.pixels()) as f64
+    };
+    json!({"noisy": mean(&written.stack.beauty()), "result": mean(written.picture)})
+}
+
+/// Largest memory the process has held, where the system tells.
+pub fn peak_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+    let kilobytes: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
+    Some(kilobytes * 1024)
+}

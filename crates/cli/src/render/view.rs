@@ -1,0 +1,116 @@
+//! A scene with the camera and the sky it is seen under, after flags and guesses.
+
+use std::path::Path;
+use std::time::Instant;
+
+use anyhow::Result;
+use glam::Vec3;
+use stack::Size;
+use tracer::camera::{Camera, CameraDescription};
+use tracer::scene::{Loaded, RawRender, Scene, guess_camera, guess_environment, load};
+
+use crate::args::RenderArgs;
+use crate::failure::usage;
+use crate::options::Triple;
+use crate::progress::Progress;
+
+/// A scene ready to be rendered.
+pub struct View {
+    pub scene: Scene,
+    pub render: Option<RawRender>,
+    pub load_seconds: f64,
+    pub build_seconds: f64,
+    camera: CameraDescription,
+}
+
+impl View {
+    /// The camera with a film of `size`.
+    ///
+    /// # Errors
+    /// When a value of it is out of range.
+    pub fn camera(&self, size: Size) -> Result<Camera> {
+        Ok(self.camera.on(size)?)
+    }
+}
+
+/// Opens the scene with the flags that were given.
+///
+/// # Errors
+/// When it cannot be loaded, or a flag does not fit it.
+pub fn open(args: &RenderArgs, progress: &Progress) -> Result<View> {
+    let start = Instant::now();
+    let mut loaded = read(&args.scene, progress)?;
+    set_sky(&mut loaded.scene, args, progress)?;
+    let camera = choose_camera(&loaded, args, progress)?;
+    let build_seconds = loaded.build_seconds;
+    let load_seconds = start.elapsed().as_secs_f64() - build_seconds;
+    Ok(View { scene: loaded.scene, render: loaded.render, load_seconds, build_seconds, camera })
+}
+
+/// Opens the scene in `file` as it is.
+///
+/// # Errors
+/// When it cannot be loaded.
+pub fn open_scene(file: &Path, progress: &Progress) -> Result<View> {
+    open(&RenderArgs { scene: file.into(), ..RenderArgs::default() }, progress)
+}
+
+fn read(file: &Path, progress: &Progress) -> Result<Loaded> {
+    let loaded = load(file)?;
+    for note in &loaded.notes {
+        progress.say(note);
+    }
+    progress.whisper(&format!("{} triangles, {} emit", loaded.triangles, loaded.scene.emitters.len()));
+    Ok(loaded)
+}
+
+fn set_sky(scene: &mut Scene, args: &RenderArgs, progress: &Progress) -> Result<()> {
+    if let Some(Triple(sky)) = args.env {
+        if sky.iter().any(|c| *c < 0.0) {
+            return Err(usage("--env: expected radiances of at least 0"));
+        }
+        scene.environment = Some(Vec3::from(sky));
+    } else if let Some(guess) = guess_environment(scene) {
+        scene.environment = Some(guess.value);
+        progress.say(&guess.line);
+    }
+    if let Some(scale) = args.env_scale {
+        if !(scale >= 0.0 && scale.is_finite()) {
+            return Err(usage(format!("--env-scale: expected a factor of at least 0, found {scale}")));
+        }
+        scene.environment = scene.environment.map(|sky| sky * scale);
+    }
+    Ok(())
+}
+
+/// The camera of the file that was asked for, or its first, or a guess; changed by single flags.
+fn choose_camera(loaded: &Loaded, args: &RenderArgs, progress: &Progress) -> Result<CameraDescription> {
+    let given = |triple: Option<Triple>| triple.map(|t| Vec3::from(t.0));
+    let mut camera = match (named_camera(loaded, args)?, given(args.eye)) {
+        (Some(camera), _) => camera,
+        (None, Some(eye)) => CameraDescription::looking(eye, loaded.scene.bounds().centre()),
+        (None, None) => {
+            let guess = guess_camera(&loaded.scene);
+            progress.say(&guess.line);
+            guess.value
+        }
+    };
+    camera.eye = given(args.eye).unwrap_or(camera.eye);
+    camera.look_at = given(args.look_at).unwrap_or(camera.look_at);
+    camera.up = given(args.up).unwrap_or(camera.up);
+    camera.fov = args.fov.unwrap_or(camera.fov);
+    camera.lens_radius = args.lens_radius.unwrap_or(camera.lens_radius);
+    camera.focus_distance = args.focus_distance.or(camera.focus_distance);
+    camera.check()?;
+    Ok(camera)
+}
+
+fn named_camera(loaded: &Loaded, args: &RenderArgs) -> Result<Option<CameraDescription>> {
+    let Some(wanted) = &args.camera else { return Ok(loaded.cameras.first().map(|(_, camera)| *camera)) };
+    let found = loaded.cameras.iter().find(|(name, _)| name.as_ref() == Some(wanted));
+    let names = || loaded.cameras.iter().filter_map(|(name, _)| name.clone()).collect::<Vec<_>>().join(", ");
+    match found {
+        Some((_, camera)) => Ok(Some(*camera)),
+        None => Err(usage(format!("--camera: the scene has no camera '{wanted}'; it has: {}", names()))),
+    }
+}

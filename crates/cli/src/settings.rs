@@ -1,0 +1,58 @@
+//! All settings of a picture, from preset, file and flags.
+
+use anyhow::Result;
+use clap::ArgMatches;
+use reconstruct::adaptive::AdaptiveSettings;
+use stack::Knobs;
+use tracer::integrator::TraceSettings;
+
+use crate::args::{Preset, given_knobs};
+
+stack::knobs! {
+    /// How the loop is divided.
+    pub struct LoopSettings("") {
+        /// Samples every pixel gets before the first round, at most the whole budget (section 5).
+        initial_spp: u32 = 4, 1..=65536;
+        /// Rounds that share what remains (section 6).
+        iterations: u32 = 3, 0..=64;
+        /// Radius of the regression's window in those rounds, in pixels: 5 is 11×11 (section 6). The last
+        /// reconstruction has the larger window of the regression's own setting.
+        iteration_radius: usize = 5, 1..=64;
+    }
+}
+
+stack::knob_groups! {
+    /// Every setting there is.
+    pub struct Settings {
+        /// How samples are taken.
+        trace: TraceSettings,
+        /// How the loop is divided.
+        rounds: LoopSettings,
+        /// Where samples are taken.
+        sampling: AdaptiveSettings,
+        /// How the picture is rebuilt from them.
+        reconstruction: reconstruct::Settings,
+    }
+}
+
+impl Settings {
+    /// The settings of a preset.
+    pub fn of(preset: Preset) -> Self {
+        match preset {
+            Preset::Paper => Self::default(),
+        }
+    }
+
+    /// Overrides single settings by the flags that were given.
+    ///
+    /// # Errors
+    /// The first value that cannot be read or is out of range.
+    pub fn override_by(&mut self, matches: &ArgMatches) -> Result<()> {
+        for (flag, value) in given_knobs(matches) {
+            if let Some(outcome) = self.set(&flag, &value) {
+                outcome?;
+            }
+        }
+        Ok(())
+    }
+}

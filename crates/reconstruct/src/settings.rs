@@ -1,0 +1,17 @@
+//! Every setting of the reconstruction.
+
+use crate::prefilter::PrefilterSettings;
+use crate::regression::RegressionSettings;
+use crate::spikes::SpikeSettings;
+
+stack::knob_groups! {
+    /// Settings of all stages. The default is the paper's method as `docs/method.md` settles it.
+    pub struct Settings {
+        /// How spikes are found and replaced.
+        spikes: SpikeSettings,
+        /// How features are freed of noise.
+        prefilter: PrefilterSettings,
+        /// How pixels are rebuilt.
+        regression: RegressionSettings,
+    }
+}

@@ -1,0 +1,103 @@
+//! What each command prints, and the shape of its JSON.
+
+mod support;
+
+use serde_json::Value;
+use support::{Workplace, shared};
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error}: {text}"))
+}
+
+#[test]
+fn render_prints_one_json_object_and_nothing_else() {
+    let workplace = Workplace::new();
+    let run = workplace.must("render box.obj --size 32x24 --spp 8 -o a.exr --json");
+    let report = json(&run.stdout());
+    assert_eq!((report["width"].as_u64(), report["height"].as_u64()), (Some(32), Some(24)));
+    assert_eq!(report["spp"]["mean"].as_f64(), Some(8.0));
+    assert_eq!(report["samples"].as_u64(), Some(32 * 24 * 8));
+    assert!(report["rays"].as_u64() > report["samples"].as_u64());
+    assert!(report["estimated_rmse"].as_f64().is_some_and(|error| error > 0.0));
+    for key in ["load", "build", "trace", "reconstruct", "write", "total"] {
+        assert!(report["seconds"][key].is_number(), "{key}");
+    }
+    for key in ["spikes", "prefilter", "reduce", "bandwidth", "regression"] {
+        assert!(report["stages"][key].is_number(), "{key}: {}", report["stages"]);
+    }
+    assert_eq!(report["iterations"].as_array().map(Vec::len), Some(4));
+    let energy = |which: &str| report["energy"][which].as_f64().unwrap();
+    assert!((energy("result") / energy("noisy") - 1.0).abs() < 0.1);
+}
+
+#[test]
+fn adaptive_sampling_spends_the_whole_budget() {
+    let workplace = Workplace::new();
+    let run = workplace.must("render box.obj --size 40x40 --spp 16 -o a.exr --json --quiet");
+    let report = json(&run.stdout());
+    assert_eq!(report["samples"].as_u64(), Some(40 * 40 * 16));
+    assert!(report["spp"]["min"].as_u64() < report["spp"]["max"].as_u64());
+}
+
+#[test]
+fn a_missed_target_is_a_negative_answer() {
+    let workplace = Workplace::new();
+    let run = workplace.tamis("render box.obj --size 16x16 --spp 2 --target-error 1e-12 -o a.exr --quiet");
+    assert_eq!(run.code(), Some(1));
+    workplace.must("render box.obj --size 16x16 --spp 4 --target-error 1e9 -o b.exr --quiet");
+}
+
+#[test]
+fn compare_measures_and_judges() {
+    let workplace = Workplace::new();
+    workplace.must("render box.obj --size 32x32 --spp 4 --uniform --no-denoise -o noisy.exr --quiet");
+    workplace.must("render box.obj --size 32x32 --spp 256 --uniform --no-denoise -o ref1.exr --quiet");
+    workplace.must("render box.obj --size 32x32 --spp 256 --seed 1 --uniform --no-denoise -o ref2.exr --quiet");
+    let run = workplace.must("compare ref1.exr noisy.exr ref1.exr --ref2 ref2.exr --json");
+    let report = json(&run.stdout());
+    let image = |i: usize, key: &str| report["images"][i][key].clone();
+    assert!(image(0, "rmse").as_f64() > Some(0.0) && image(1, "rmse").as_f64() == Some(0.0));
+    assert!(image(0, "rmse_cross").as_f64().unwrap() > image(1, "rmse_cross").as_f64().unwrap());
+    assert_eq!((image(0, "flip"), image(0, "flip_hdr")), (Value::Null, Value::Null));
+    assert_eq!(image(0, "nan_pixels").as_u64(), Some(0));
+    assert_eq!(workplace.tamis("compare ref1.exr noisy.exr --max-rmse 1e-9").code(), Some(1));
+    assert_eq!(workplace.tamis("compare ref1.exr noisy.exr --max-rmse 1e9").code(), Some(0));
+    workplace.must("render box.obj --size 16x32 --spp 1 --no-denoise -o small.exr --quiet");
+    let run = workplace.tamis("compare ref1.exr small.exr");
+    assert_eq!((run.code(), run.errors().len()), (Some(2), 1));
+}
+
+#[test]
+fn info_says_what_a_file_holds() {
+    let workplace = Workplace::new();
+    workplace.must("render box.obj --size 32x32 --spp 4 -o a.exr --quiet");
+    let text = workplace.must("info box.obj a.exr").stdout();
+    for word in ["12 triangles", "3 materials", "32x32", "noisy", "emission", "visibility"] {
+        assert!(text.contains(word), "'{word}' is not in:\n{text}");
+    }
+    let report = json(&workplace.must("info a.exr --json").stdout());
+    assert_eq!(report[0]["size"][0].as_u64(), Some(32));
+}
+
+#[test]
+fn every_guess_is_said_with_its_flag() {
+    let workplace = Workplace::new();
+    workplace.write("plain.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let said = workplace.must("render plain.obj --size 16x16 --spp 1 -o a.exr -o a.png").stderr();
+    for flag in ["--eye", "--env", "--exposure"] {
+        assert!(said.contains(flag), "{flag} is not in:\n{said}");
+    }
+}
+
+#[test]
+fn buckets_of_another_renderer_are_denoised() {
+    let Some(folder) = shared("stacks/buckets/pond_32") else { return };
+    let workplace = Workplace::new();
+    let file = |name: &str| folder.join(name).display().to_string();
+    let buckets: Vec<String> = (0..8).map(|b| file(&format!("b{b}.exr"))).collect();
+    workplace.must(&format!("denoise --buckets {} -o out.exr --quiet", buckets.join(" ")));
+    let line = format!("compare {} out.exr {} --ref2 {} --json", file("ref1.exr"), buckets[0], file("ref2.exr"));
+    let report = json(&workplace.must(&line).stdout());
+    let cross = |i: usize| report["images"][i]["rmse_cross"].as_f64().unwrap();
+    assert!(cross(0) < cross(1) / 8.0, "less than the noise of all eight buckets: {} against {}", cross(0), cross(1));
+}

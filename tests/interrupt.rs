@@ -1,0 +1,25 @@
+//! Ctrl-C keeps what there is, and never replaces a finished picture.
+#![cfg(unix)]
+
+mod support;
+
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+use support::Workplace;
+
+#[test]
+fn an_interrupted_render_keeps_its_samples_apart() {
+    let workplace = Workplace::new();
+    workplace.must("render box.obj --size 32x32 --spp 2 -o a.exr --quiet");
+    let finished = workplace.bytes("a.exr");
+    let mut child = workplace.command("render box.obj --size 200x200 --spp 50000 -o a.exr --quiet").spawn().unwrap();
+    std::thread::sleep(Duration::from_millis(1500));
+    Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    let asked = Instant::now();
+    let status = child.wait().unwrap();
+    assert!(asked.elapsed() < Duration::from_secs(20), "it took {:?} to stop", asked.elapsed());
+    assert_eq!(status.code(), Some(130));
+    assert_eq!(workplace.bytes("a.exr"), finished);
+    workplace.must("denoise a.partial.exr -o b.exr --quiet");
+}

@@ -1,0 +1,69 @@
+//! Same seed, same bytes; and what was written can be reconstructed again.
+
+mod support;
+
+use stack::file::{Layers, read_picture};
+use support::Workplace;
+
+const RENDER: &str = "render box.obj --size 48x40 --spp 12 --quiet --aov all";
+
+#[test]
+fn the_thread_count_does_not_matter() {
+    let workplace = Workplace::new();
+    for threads in [1, 2, 7] {
+        workplace.must(&format!("{RENDER} --threads {threads} -o {threads}.exr -o {threads}.png"));
+    }
+    for ending in ["exr", "png"] {
+        let one = workplace.bytes(&format!("1.{ending}"));
+        assert!(one == workplace.bytes(&format!("2.{ending}")) && one == workplace.bytes(&format!("7.{ending}")));
+    }
+}
+
+#[test]
+fn another_seed_gives_another_picture() {
+    let workplace = Workplace::new();
+    workplace.must(&format!("{RENDER} -o a.exr"));
+    workplace.must(&format!("{RENDER} --seed 7 -o b.exr"));
+    assert_ne!(read_picture(&workplace.path("a.exr")).unwrap(), read_picture(&workplace.path("b.exr")).unwrap());
+}
+
+#[test]
+fn denoise_repeats_render_bit_for_bit() {
+    let workplace = Workplace::new();
+    workplace.must(&format!("{RENDER} --spike-threshold 1.5 -o a.exr"));
+    workplace.must("denoise a.exr -o b.exr --aov all --quiet");
+    assert_eq!(workplace.bytes("a.exr"), workplace.bytes("b.exr"));
+}
+
+#[test]
+fn result_layers_of_the_input_are_never_read() {
+    let workplace = Workplace::new();
+    workplace.must(&format!("{RENDER} -o a.exr"));
+    let mut layers = Layers::read(&workplace.path("a.exr")).unwrap();
+    let mut overwritten = 0;
+    for channel in &mut layers.channels {
+        let result = ["R", "G", "B"].contains(&channel.name.as_str())
+            || ["mse.", "spikes.", "bandwidth.", "rank."].iter().any(|layer| channel.name.starts_with(layer));
+        if let (true, exr::prelude::FlatSamples::F32(values)) = (result, &mut channel.samples) {
+            overwritten += 1;
+            values.iter_mut().enumerate().for_each(|(i, value)| *value = ((i * 7919) % 101) as f32);
+        }
+    }
+    assert_eq!(overwritten, 9);
+    layers.write(&workplace.path("scribbled.exr")).unwrap();
+    workplace.must("denoise scribbled.exr -o b.exr --aov all --quiet");
+    assert_eq!(workplace.bytes("a.exr"), workplace.bytes("b.exr"));
+}
+
+#[test]
+fn a_crop_shows_the_same_noise_as_the_whole() {
+    let workplace = Workplace::new();
+    workplace.must("render box.obj --size 48x40 --spp 4 --uniform --no-denoise --quiet -o whole.exr");
+    workplace.must("render box.obj --size 48x40 --crop 8,4,20,10 --spp 4 --uniform --no-denoise --quiet -o crop.exr");
+    let [whole, crop] = ["whole", "crop"].map(|n| read_picture(&workplace.path(&format!("{n}.exr"))).unwrap());
+    for y in 0..10 {
+        for x in 0..20 {
+            assert_eq!(crop.rgb(crop.size().index(x, y)), whole.rgb(whole.size().index(x + 8, y + 4)));
+        }
+    }
+}
