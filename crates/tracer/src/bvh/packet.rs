@@ -41,10 +41,11 @@ impl Packet {
     pub(super) fn crossings(&self, ray: &ShearedRay, mut found: impl FnMut(u32, Crossing)) {
         let sheared = self.shear(ray);
         let edges = edge_functions(&sheared);
-        for lane in 0..self.count as usize {
-            let of_lane: Sheared = sheared.map(|v| v.map(|coordinate| coordinate[lane]));
+        let missed = missed(&edges);
+        for lane in (0..self.count as usize).filter(|&lane| !missed[lane]) {
+            let of_lane: Sheared = std::array::from_fn(|v| std::array::from_fn(|axis| sheared[v][axis][lane]));
             let exact = || ray.exact_distance(self.corners(lane));
-            if let Some(crossing) = decide(edges.map(|e| e[lane]), &of_lane, exact) {
+            if let Some(crossing) = decide(std::array::from_fn(|v| edges[v][lane]), &of_lane, exact) {
                 found(self.triangles[lane], crossing);
             }
         }
@@ -59,7 +60,7 @@ impl Packet {
     fn shear(&self, ray: &ShearedRay) -> [[[f32; LANES]; 3]; 3] {
         let mut sheared = [[[0.0; LANES]; 3]; 3];
         for (out, vertex) in sheared.iter_mut().zip(&self.vertices) {
-            let [x, y, z] = ray.axes.map(|axis| &vertex[axis]);
+            let (x, y, z) = (&vertex[ray.axes[0]], &vertex[ray.axes[1]], &vertex[ray.axes[2]]);
             for lane in 0..LANES {
                 let depth = z[lane] - ray.origin[2];
                 out[0][lane] = x[lane] - ray.origin[0] - ray.shear[0] * depth;
@@ -82,4 +83,17 @@ fn edge_functions(v: &[[[f32; LANES]; 3]; 3]) -> [[f32; LANES]; 3] {
         }
     }
     edges
+}
+
+/// Which triangles are missed beyond doubt: edge functions of both signs, both above what underflow can turn round.
+#[inline]
+fn missed(edges: &[[f32; LANES]; 3]) -> [bool; LANES] {
+    let mut missed = [false; LANES];
+    for lane in 0..LANES {
+        let (a, b, c) = (edges[0][lane], edges[1][lane], edges[2][lane]);
+        let negative = (a < -f32::MIN_POSITIVE) | (b < -f32::MIN_POSITIVE) | (c < -f32::MIN_POSITIVE);
+        let positive = (a > f32::MIN_POSITIVE) | (b > f32::MIN_POSITIVE) | (c > f32::MIN_POSITIVE);
+        missed[lane] = negative & positive;
+    }
+    missed
 }

@@ -1,7 +1,7 @@
 use glam::{DAffine3, DQuat, DVec3, Vec3};
 
 use super::random::Random;
-use super::{Placement, ShearedRay, TriangleBvh, TriangleHit};
+use super::{Bounds, Placement, ShearedRay, TriangleBvh, TriangleHit, WideBvh};
 use crate::Ray;
 
 type Triangle = [Vec3; 3];
@@ -239,4 +239,15 @@ fn a_ray_that_is_not_finite_hits_nothing() {
             assert!(closest(&bvh, &ray).is_none() && !occluded(&bvh, &ray));
         }
     }
+}
+
+#[test]
+fn the_tree_is_the_same_whatever_the_number_of_threads() {
+    let boxes: Vec<Bounds> = soup(30_000, 0.02, 1.0, &mut Random(6)).into_iter().map(Bounds::of).collect();
+    let with_threads = |count| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(count).build().unwrap();
+        format!("{:?}", pool.install(|| WideBvh::build(&boxes, 4)))
+    };
+    let alone = with_threads(1);
+    assert!(alone == with_threads(3) && alone == with_threads(2));
 }

@@ -168,3 +168,31 @@ fn what_is_no_scene_file_is_refused() {
     assert!(refuse("").contains("is a folder"));
     assert!(load(Path::new("no/such/scene.toml")).unwrap_err().to_string().contains("no such file"));
 }
+
+/// A folder among the shared scenes, when they are there.
+fn shared(name: &str) -> Vec<std::path::PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/scenes").join(name);
+    let files = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    files.filter(|path| path.extension().is_some_and(|e| e == "obj")).collect()
+}
+
+#[test]
+fn cornell_boxes_load_with_their_lamp_and_nothing_missing() {
+    for path in shared("cornell-box").iter().filter(|p| p.to_string_lossy().contains("CornellBox")) {
+        let loaded = load(path).unwrap();
+        assert_eq!((loaded.scene.emitters.len(), loaded.notes.len()), (2, 0), "{}", path.display());
+        assert!(loaded.scene.emitters.iter().all(|e| e.normal.y < -0.999), "lamps shine down");
+    }
+}
+
+#[test]
+fn strange_files_load_or_are_refused_with_a_reason() {
+    for path in
+        ["weird-obj/assimp", "weird-obj/assimp-invalid", "weird-obj/tinyobjloader"].iter().flat_map(|f| shared(f))
+    {
+        match load(&path) {
+            Ok(loaded) => assert!(loaded.triangles > 0 && !loaded.scene.bounds().is_empty()),
+            Err(error) => assert!(error.to_string().contains(&path.display().to_string()), "{error}"),
+        }
+    }
+}
