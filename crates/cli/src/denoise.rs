@@ -87,7 +87,7 @@ fn foreign_header(stack: &FeatureStack, settings: &Settings) -> StackHeader {
         Dealing::Numbered { sequences, buckets } => (sequences, buckets),
         Dealing::PerBucket(ref counts) => (counts.len() as u32, counts.len() as u32),
     };
-    StackHeader { first: 0, sequences, buckets, settings: json!(settings) }
+    StackHeader { first: 0, sequences, buckets, settings: settings.to_json() }
 }
 
 fn say_what_was_done(progress: &Progress, reconstruction: Option<&Reconstruction>, seconds: f64) {
@@ -119,7 +119,7 @@ impl Outcome<'_> {
             "estimated_rmse": render::report::estimated_rmse(self.written),
             "energy": render::report::energy(self.written),
             "peak_bytes": render::report::peak_bytes(),
-            "settings": self.settings,
+            "settings": self.settings.to_json(),
         })
     }
 }

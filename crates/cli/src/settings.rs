@@ -43,6 +43,12 @@ impl Settings {
         }
     }
 
+    /// All settings as JSON, numbers as short as they can be written.
+    pub fn to_json(self) -> serde_json::Value {
+        // By way of text: a value made directly would hold each f32 with the digits of an f64.
+        serde_json::to_string(&self).and_then(|text| serde_json::from_str(&text)).unwrap_or_default()
+    }
+
     /// Overrides single settings by the flags that were given.
     ///
     /// # Errors

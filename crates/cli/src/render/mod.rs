@@ -10,7 +10,6 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 use clap::ArgMatches;
-use serde_json::json;
 use stack::Image;
 use stack::file::StackHeader;
 use tracer::film::Film;
@@ -88,7 +87,7 @@ fn header(plan: &Plan) -> StackHeader {
         first: plan.budget.first,
         sequences: trace.sequences,
         buckets: trace.buckets,
-        settings: json!(plan.settings),
+        settings: plan.settings.to_json(),
     }
 }
 

@@ -53,7 +53,7 @@ pub fn render(
         "peak_bytes": peak_bytes(),
         "seed": plan.settings.trace.seed,
         "preset": "paper",
-        "settings": plan.settings,
+        "settings": plan.settings.to_json(),
     })
 }
 
