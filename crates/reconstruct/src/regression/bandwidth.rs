@@ -110,3 +110,16 @@ pub fn pilot_bandwidth(close: f32, rank: usize) -> f32 {
     let k = rank as f32;
     (4.0 / (close.max(1.0) * (k + 2.0))).powf(1.0 / (k + 4.0))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bandwidths_by_hand() {
+        assert_eq!(pilot_bandwidth(1.0, 2), 1.0);
+        assert!((pilot_bandwidth(529.0, 2) - 0.351_64).abs() < 1e-4);
+        assert!((pilot_bandwidth(64.0, 0) - 0.420_45).abs() < 1e-4);
+        assert!((pilot_bandwidth(100.0, 4) - (1.0f32 / 150.0).powf(0.125)).abs() < 1e-6);
+    }
+}

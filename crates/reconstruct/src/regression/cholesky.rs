@@ -68,3 +68,44 @@ pub(crate) fn first_row_of_inverse<S: Simd>(
         row[i] = value / matrix[i * stride + i];
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DMatrix;
+    use pulp::Scalar;
+
+    use super::super::twin::Random;
+    use super::*;
+
+    /// A positive definite 5 × 5 matrix and one right-hand side, side by side.
+    fn system() -> (DMatrix<f64>, Vec<Lanes<Scalar>>) {
+        let mut random = Random(9);
+        let x = DMatrix::from_fn(12, 5, |_, _| f64::from(random.normal()));
+        let full = (x.transpose() * x).insert_column(5, 0.7);
+        let lanes = full.transpose().iter().map(|v| Lanes::splat(Scalar, *v as f32)).collect();
+        (full, lanes)
+    }
+
+    #[test]
+    fn solutions_agree_with_nalgebra() {
+        let (full, mut lanes) = system();
+        let exact = full.columns(0, 5).try_inverse().unwrap() * full.column(5);
+        factor(Scalar, &mut lanes, 5, 6, Lanes::splat(Scalar, 0.0));
+        substitute_back(&mut lanes, 5, 6, 5, 0);
+        for i in 0..5 {
+            assert!((f64::from(lanes[i * 6 + 5].to_array()[0]) - exact[i]).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn the_first_row_of_the_inverse_agrees_with_nalgebra() {
+        let (full, mut lanes) = system();
+        let exact = full.columns(0, 5).try_inverse().unwrap();
+        factor(Scalar, &mut lanes, 5, 6, Lanes::splat(Scalar, 0.0));
+        let mut row = vec![Lanes::splat(Scalar, 0.0); 5];
+        first_row_of_inverse(Scalar, &lanes, 5, 6, &mut row);
+        for i in 0..5 {
+            assert!((f64::from(row[i].to_array()[0]) - exact[(0, i)]).abs() < 1e-5);
+        }
+    }
+}

@@ -96,3 +96,44 @@ impl<S: Simd> Curvature<S> {
         self.normal.finish();
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use pulp::Scalar;
+    use stack::{Image, Size};
+
+    use super::super::reduce::Reduction;
+    use super::super::twin::Scene;
+    use super::super::{Normalisation, RegressionSettings};
+    use super::*;
+
+    #[test]
+    fn a_parabola_has_its_second_derivative() {
+        let size = Size::new(21, 7);
+        let mut scene = Scene::new(size, 0.0);
+        scene.features.planes.truncate(1);
+        scene.features.groups = std::iter::once(0..1).collect();
+        scene.features.planes[0] = (0..147).map(|i| (i % 21) as f32 / 10.0 - 1.0).collect();
+        let x = &scene.features.planes[0];
+        let channels = [3.0, -1.0, 0.5].map(|a| x.iter().map(|x| a * x * x + x).collect());
+        scene.colour = Image::from_channels(size, channels.to_vec());
+
+        let field = Field::new(&scene.input(), 5);
+        let settings = RegressionSettings::default();
+        let mut window = Window::new(Scalar, &field);
+        let mut reduction = Reduction::new(Scalar, &field);
+        let mut projection = Projection::new(Scalar, &field);
+        let mut curvature = Curvature::new(Scalar, &field);
+        for x in [0, 4, 10, 20] {
+            window.move_to(&field, x, 3);
+            reduction.find(&field, &mut window, Normalisation::None, &settings.reduction);
+            projection.find(&field, &window, &reduction, &settings.bandwidth);
+            let faint = CurvatureSettings { ridge: 1e-6, ..settings.curvature };
+            curvature.find(&field, &window, &projection, 1, &faint);
+            // H is twice the mean of 3, 1 and 0.5.
+            let expected = 1.0 / (3.0f32 + 0.16).sqrt();
+            let found = curvature.factors[0].to_array()[0];
+            assert!((found / expected - 1.0).abs() < 0.01, "at {x}: {found} for {expected}");
+        }
+    }
+}

@@ -192,3 +192,54 @@ impl<S: Simd> LocalLinear<S> {
         Estimate { colour: [0, 1, 2].map(|c| centre[c] + bias[c]), mse }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use pulp::Scalar256b;
+    use stack::Size;
+
+    use super::super::curvature::Curvature;
+    use super::super::reduce::Reduction;
+    use super::super::twin::Scene;
+    use super::super::{Normalisation, RegressionSettings};
+    use super::*;
+
+    /// The equivalent kernel reproduces constants (it sums to one) and linear functions (its first moments vanish).
+    #[test]
+    fn the_equivalent_kernel_has_the_right_moments() {
+        let scene = Scene::new(Size::new(32, 20), 0.1);
+        let field = Field::new(&scene.input(), 5);
+        let settings = RegressionSettings::default();
+        let mut window = Window::new(Scalar256b, &field);
+        let mut reduction = Reduction::new(Scalar256b, &field);
+        let mut projection = Projection::new(Scalar256b, &field);
+        let mut curvature = Curvature::new(Scalar256b, &field);
+        let mut local_linear = LocalLinear::new(Scalar256b, &field);
+        for (x, y) in [(0, 0), (8, 10), (16, 3), (24, 19)] {
+            window.move_to(&field, x, y);
+            reduction.find(&field, &mut window, Normalisation::Window, &settings.reduction);
+            projection.find(&field, &window, &reduction, &settings.bandwidth);
+            let rank = reduction.largest_rank;
+            curvature.find(&field, &window, &projection, rank, &settings.curvature);
+            local_linear.estimate(
+                &field,
+                &window,
+                &projection,
+                &curvature.factors,
+                rank,
+                &LocalLinearSettings { ridge: 1e-7 },
+            );
+            let mut moments = vec![Lanes::splat(Scalar256b, 0.0); rank + 1];
+            for (l, index) in local_linear.kernel.iter().zip(&local_linear.near) {
+                moments[0] += *l;
+                for (moment, z) in moments[1..].iter_mut().zip(projection.of(*index)) {
+                    *moment += *l * *z;
+                }
+            }
+            assert!(moments[0].to_array()[..8].iter().all(|sum| (sum - 1.0).abs() < 2e-5), "{:?}", moments[0]);
+            for moment in &moments[1..] {
+                assert!(moment.to_array().iter().all(|m| m.abs() < 1e-4), "{moment:?}");
+            }
+        }
+    }
+}

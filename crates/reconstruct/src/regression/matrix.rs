@@ -112,3 +112,48 @@ fn multiply_tile<S: Simd, const WIDTH: usize>(
     product[j..j + WIDTH].copy_from_slice(&sums[0]);
     product[columns + j..columns + j + WIDTH].copy_from_slice(&sums[1]);
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DMatrix;
+    use pulp::Scalar;
+
+    use super::super::twin::Random;
+    use super::*;
+
+    fn random_matrix(rows: usize, columns: usize) -> (DMatrix<f64>, Vec<Lanes<Scalar>>) {
+        let mut random = Random((rows * 31 + columns) as u64);
+        let matrix = DMatrix::from_fn(rows, columns, |_, _| f64::from(random.normal()));
+        let lanes = matrix.transpose().iter().map(|v| Lanes::splat(Scalar, *v as f32)).collect();
+        (matrix, lanes)
+    }
+
+    fn close(a: Lanes<Scalar>, b: f64) -> bool {
+        (f64::from(a.to_array()[0]) - b).abs() < 1e-4
+    }
+
+    #[test]
+    fn gram_matrices_agree_with_nalgebra_for_every_width() {
+        for columns in (2..=22).step_by(2) {
+            let (x, rows) = random_matrix(33, columns);
+            let exact = x.transpose() * x;
+            let mut gram = vec![Lanes::splat(Scalar, 0.0); columns * columns];
+            add_gram(Scalar, &mut gram, &rows[..20 * columns], columns);
+            add_gram(Scalar, &mut gram, &rows[20 * columns..], columns);
+            for i in 0..columns {
+                assert!((i..columns).all(|j| close(gram[i * columns + j], exact[(i, j)])), "width {columns}");
+            }
+        }
+    }
+
+    #[test]
+    fn products_agree_with_nalgebra_for_every_width() {
+        for (inner, columns) in (2..=16).step_by(2).flat_map(|i| [2, 4, 6, 8, 10, 14].map(|c| (i, c))) {
+            let ((x, rows), (m, matrix)) = (random_matrix(6, inner), random_matrix(inner, columns));
+            let exact = (x * m).transpose();
+            let mut product = vec![Lanes::splat(Scalar, 0.0); 6 * columns];
+            multiply(Scalar, &mut product, &rows, inner, &matrix, columns);
+            assert!(product.iter().zip(exact.iter()).all(|(a, b)| close(*a, *b)), "{inner} x {columns}");
+        }
+    }
+}

@@ -250,3 +250,46 @@ fn rank_by_energy(directions: &[Direction], settings: &ReductionSettings) -> usi
     }
     directions.len()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn directions(singular: &[f32]) -> Vec<Direction> {
+        singular.iter().enumerate().map(|(index, s)| Direction { index, singular: *s, strength: s + 0.01 }).collect()
+    }
+
+    fn settings(rank: RankRule) -> ReductionSettings {
+        ReductionSettings { rank, ..ReductionSettings::DEFAULT }
+    }
+
+    #[test]
+    fn ranks_by_hand() {
+        let found = directions(&[6.0, 2.0, 1.5, 0.3, 0.2, 0.0]);
+        // 9.5 of 10 after three values, 9.8 after four.
+        assert_eq!(rank_of(&found, 10.0, &settings(RankRule::Energy)), 4);
+        assert_eq!(rank_of(&found, 0.06, &settings(RankRule::Perturbation)), 4);
+        assert_eq!(rank_of(&found, 0.04, &settings(RankRule::Perturbation)), 5);
+        assert_eq!(rank_of(&found, 0.04, &settings(RankRule::Larger)), 5);
+        assert_eq!(rank_of(&found, 10.0, &settings(RankRule::Larger)), 4);
+        // Squares: 36, 4, 2.25, …: 40 of 42.38 after two, 42.25 after three.
+        let squares = ReductionSettings { energy_of: Energy::Squares, ..settings(RankRule::Energy) };
+        assert_eq!(rank_of(&found, 10.0, &squares), 3);
+    }
+
+    #[test]
+    fn at_least_two_directions_where_they_exist() {
+        assert_eq!(rank_of(&directions(&[5.0, 0.0, 0.0]), 10.0, &settings(RankRule::Perturbation)), 2);
+        let mut one = directions(&[5.0, 0.0]);
+        one[1].strength = 0.0;
+        assert_eq!(rank_of(&one, 0.0, &settings(RankRule::Larger)), 1);
+        one[0] = Direction { index: 0, singular: 0.0, strength: 0.0 };
+        assert_eq!(rank_of(&one, 0.0, &settings(RankRule::Larger)), 0);
+    }
+
+    #[test]
+    fn plain_decompositions_follow_the_energy_alone() {
+        let svd = ReductionSettings { method: ReductionMethod::Svd, ..ReductionSettings::DEFAULT };
+        assert_eq!(rank_of(&directions(&[6.0, 2.0, 1.5, 0.3, 0.2]), 0.0, &svd), 4);
+    }
+}

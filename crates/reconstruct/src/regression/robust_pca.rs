@@ -340,3 +340,108 @@ fn low_rank_first<S: Simd>(
     }
     residual
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DMatrix;
+    use pulp::Scalar;
+
+    use super::super::twin::{Random, exact_alm, lambda_of};
+    use super::*;
+
+    const LABELS: [usize; 10] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9];
+
+    /// A window as one meets it: two strong directions, one weak, an edge in a corner, a few outliers, some noise.
+    fn window(seed: u64) -> DMatrix<f64> {
+        let mut random = Random(seed);
+        let mix = DMatrix::from_fn(4, 10, |i, _| f64::from(random.normal()) * [0.5, 0.3, 0.1, 0.6][i]);
+        let shape = DMatrix::from_fn(121, 4, |row, i| {
+            let (x, y) = ((row % 11) as f64 / 5.0 - 1.0, (row / 11) as f64 / 5.0 - 1.0);
+            [x, y, x * y, if x + y > 0.9 { 1.0 } else { 0.0 }][i]
+        });
+        let spikes =
+            DMatrix::from_fn(121, 10, |_, _| f64::from(if random.next() < 0.02 { random.normal() } else { 0.0 }));
+        let noise = DMatrix::from_fn(121, 10, |_, _| 0.01 * f64::from(random.normal()));
+        shape * mix + spikes + noise
+    }
+
+    fn load(data: &DMatrix<f64>) -> RobustPca<Scalar> {
+        let mut pca = RobustPca::with_capacity(Scalar, data.nrows(), 10);
+        pca.data = data.transpose().iter().map(|v| Lanes::splat(Scalar, *v as f32)).collect();
+        pca.data.resize(124 * 10, Lanes::splat(Scalar, 0.0));
+        pca
+    }
+
+    /// Compares singular values, the projector on the directions kept, and ‖E‖₂ with the twin's.
+    fn assert_agrees(data: &DMatrix<f64>, schedule: Schedule) {
+        let mut pca = load(data);
+        let rows = Lanes::splat(Scalar, 121.0);
+        pca.decompose(10, &LABELS, 10, rows, schedule);
+        let lambda = lambda_of(schedule.lambda, 121, 10);
+        let exact = exact_alm(data, schedule.iterations, schedule.tolerance.into(), schedule.order, lambda);
+        let largest = data.clone().svd(false, false).singular_values.max();
+        let mut found: Vec<(f32, usize)> = (0..10).map(|j| (pca.singular[j].to_array()[0], j)).collect();
+        found.sort_by(|a, b| b.0.total_cmp(&a.0));
+        for (i, (singular, j)) in found.iter().enumerate() {
+            assert!((f64::from(*singular) - exact.singular[i]).abs() < 2e-4 * largest, "{schedule:?}");
+            let apart =
+                |other: usize| exact.singular.get(other).is_none_or(|s| (s - exact.singular[i]).abs() > 0.1 * largest);
+            if exact.singular[i] > 0.0 && apart(i + 1) && apart(i.wrapping_sub(1)) {
+                let cosine: f64 =
+                    (0..10).map(|f| exact.vectors[(f, i)] * f64::from(pca.vectors[j * 10 + f].to_array()[0])).sum();
+                assert!(cosine.abs() > 0.9999, "{schedule:?}: direction {i}, {cosine}");
+            }
+        }
+        let exact = exact.sparse.svd(false, false).singular_values.max();
+        let error = f64::from(pca.error_norm.to_array()[0]);
+        assert!((0.96 * exact - 1e-4..=1.003 * exact + 1e-4).contains(&error), "{schedule:?}: {error} for {exact}");
+    }
+
+    #[test]
+    fn agrees_with_exact_singular_value_decompositions() {
+        for order in [Order::SparseFirst, Order::LowRankFirst] {
+            for lambda in [Lambda::LongestSide, Lambda::ThreeOverRoot, Lambda::ShortestSide] {
+                for (iterations, tolerance) in [(1, 0.0), (2, 0.0), (10, 1e-3), (10, 0.05), (20, 0.0)] {
+                    for seed in [1, 2] {
+                        assert_agrees(&window(seed), Schedule { iterations, tolerance, order, lambda });
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_matrix_of_zeros_has_no_singular_values() {
+        let mut pca = load(&DMatrix::zeros(121, 10));
+        let schedule =
+            Schedule { iterations: 10, tolerance: 1e-3, order: Order::SparseFirst, lambda: Lambda::LongestSide };
+        pca.decompose(10, &LABELS, 10, Lanes::splat(Scalar, 121.0), schedule);
+        assert!(pca.singular.iter().all(|s| s.to_array()[0] == 0.0));
+        assert_eq!(pca.error_norm.to_array()[0], 0.0);
+    }
+
+    #[test]
+    fn low_rank_and_sparse_parts_are_told_apart() {
+        let mut random = Random(4);
+        let factors = (DMatrix::from_fn(121, 2, |_, _| f64::from(random.normal())), random_mix(&mut random));
+        let low = &factors.0 * &factors.1;
+        let mut data = low.clone();
+        for _ in 0..40 {
+            let at = ((random.next() * 121.0) as usize, (random.next() * 10.0) as usize);
+            data[at] += 8.0 * f64::from(random.normal());
+        }
+        let mut pca = load(&data);
+        let (order, lambda) = (Order::SparseFirst, Lambda::ThreeOverRoot);
+        let schedule = Schedule { iterations: 30, tolerance: 1e-6, order, lambda };
+        pca.decompose(10, &LABELS, 10, Lanes::splat(Scalar, 121.0), schedule);
+        let mut found: Vec<f32> = pca.singular.iter().map(|s| s.to_array()[0]).collect();
+        found.sort_by(|a, b| b.total_cmp(a));
+        let exact = low.svd(false, false).singular_values;
+        assert!((0..2).all(|i| (f64::from(found[i]) / exact[i] - 1.0).abs() < 0.02), "{found:?} for {exact}");
+        assert!(found[2] < 0.01 * found[0], "{found:?}");
+    }
+
+    fn random_mix(random: &mut Random) -> DMatrix<f64> {
+        DMatrix::from_fn(2, 10, |_, _| f64::from(random.normal()))
+    }
+}

@@ -212,3 +212,104 @@ pub(crate) fn largest_eigenvalue<S: Simd>(
     }
     value
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::DMatrix;
+    use pulp::Scalar256b;
+
+    use super::super::lanes::MOST_LANES;
+    use super::super::twin::Random;
+    use super::*;
+
+    const N: usize = 10;
+    const SIMD: Scalar256b = Scalar256b;
+
+    /// Gram matrices, one per lane, whose eigenvalues fall off as they do in windows: some lanes have few directions.
+    fn gram_matrices(random: &mut Random) -> (Vec<DMatrix<f64>>, Vec<Lanes<Scalar256b>>) {
+        let matrices: Vec<DMatrix<f64>> = (0..8)
+            .map(|lane| {
+                let x = DMatrix::from_fn(40, N, |_, _| f64::from(random.normal()));
+                let mix = DMatrix::from_fn(N, N, |i, _| f64::from(random.normal()) * 0.6f64.powi(i as i32 * lane / 2));
+                let x = x * mix;
+                x.transpose() * x
+            })
+            .collect();
+        let lanes = (0..N * N)
+            .map(|i| {
+                let mut values = [0.0; MOST_LANES];
+                for (value, matrix) in values.iter_mut().zip(&matrices) {
+                    *value = matrix[(i / N, i % N)] as f32;
+                }
+                Lanes::load(SIMD, &values)
+            })
+            .collect();
+        (matrices, lanes)
+    }
+
+    #[test]
+    fn agrees_with_nalgebra_from_scratch_and_from_other_vectors() {
+        let mut random = Random(3);
+        let mut eigen = Eigen::with_capacity(SIMD, N);
+        eigen.start(N, &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9], N);
+        for _ in 0..3 {
+            let (exact, lanes) = gram_matrices(&mut random);
+            eigen.solve(&lanes, Lanes::splat(SIMD, 0.0));
+            for (lane, matrix) in exact.iter().enumerate() {
+                let mut values: Vec<f64> = eigen.values[..N].iter().map(|v| v.to_array()[lane].into()).collect();
+                let mut expected: Vec<f64> = matrix.symmetric_eigenvalues().iter().copied().collect();
+                values.sort_by(f64::total_cmp);
+                expected.sort_by(f64::total_cmp);
+                assert!(values.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 3e-6 * matrix.trace()));
+                let v = DMatrix::from_fn(N, N, |i, j| f64::from(eigen.vectors[i * N + j].to_array()[lane]));
+                let off = &v * matrix * v.transpose();
+                assert!((&v * v.transpose() - DMatrix::identity(N, N)).amax() < 2e-5);
+                assert!((&off - DMatrix::from_diagonal(&off.diagonal())).amax() < 3e-6 * matrix.trace());
+            }
+        }
+    }
+
+    #[test]
+    fn a_row_of_zeros_may_be_left_out() {
+        let (_, mut full) = gram_matrices(&mut Random(5));
+        let zero = Lanes::splat(SIMD, 0.0);
+        for i in 0..N {
+            for dropped in [4, 7] {
+                full[i * N + dropped] = zero;
+                full[dropped * N + i] = zero;
+            }
+        }
+        let listed = [0, 1, 2, 3, 5, 6, 8, 9];
+        let part: Vec<_> = listed.iter().flat_map(|i| listed.map(|j| full[i * N + j])).collect();
+        let (mut all, mut few) = (Eigen::with_capacity(SIMD, N), Eigen::with_capacity(SIMD, N));
+        all.start(N, &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9], N);
+        few.start(8, &listed, N);
+        all.solve(&full, zero);
+        few.solve(&part, zero);
+        for (i, label) in listed.iter().enumerate() {
+            assert_eq!(few.values[i].to_array(), all.values[*label].to_array());
+        }
+    }
+
+    #[test]
+    fn the_largest_eigenvalue_agrees_with_nalgebra() {
+        let (exact, lanes) = gram_matrices(&mut Random(11));
+        let mut room = vec![Lanes::splat(SIMD, 0.0); 2 * N];
+        let found = largest_eigenvalue(SIMD, &lanes, N, &mut room).to_array();
+        for (matrix, found) in exact.iter().zip(found) {
+            let ratio = f64::from(found) / matrix.symmetric_eigenvalues().max();
+            assert!((0.97..1.00001).contains(&ratio), "{ratio}");
+        }
+    }
+
+    #[test]
+    fn nothing_comes_from_nothing() {
+        let zeros = vec![Lanes::splat(SIMD, 0.0); N * N];
+        let mut eigen = Eigen::with_capacity(SIMD, N);
+        eigen.start(N, &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9], N);
+        eigen.solve(&zeros, zeros[0]);
+        assert!(eigen.values.iter().all(|v| v.to_array() == [0.0; MOST_LANES]));
+        let mut room = vec![zeros[0]; 2 * N];
+        assert_eq!(largest_eigenvalue(SIMD, &zeros, N, &mut room).to_array(), [0.0; MOST_LANES]);
+    }
+}

@@ -83,44 +83,62 @@ impl Scene {
     }
 }
 
-/// Inexact ALM with exact singular value decompositions: A and E.
-pub(crate) fn exact_alm(
-    data: &DMatrix<f64>,
-    iterations: usize,
-    tolerance: f64,
-    order: Order,
-    lambda: f64,
-) -> (DMatrix<f64>, DMatrix<f64>) {
-    let zero = DMatrix::zeros(data.nrows(), data.ncols());
+/// The low-rank part by its singular values and vectors, and the sparse part.
+pub(crate) struct Split {
+    /// Singular values of A, the largest first.
+    pub(crate) singular: Vec<f64>,
+    /// Column j is right singular vector j.
+    pub(crate) vectors: DMatrix<f64>,
+    /// E.
+    pub(crate) sparse: DMatrix<f64>,
+}
+
+/// Singular values, the largest first, and right singular vectors (columns).
+///
+/// By way of the Gram matrix: `nalgebra`'s `svd` returns wrong values for matrices of lower rank when it is asked for
+/// vectors too.
+pub(crate) fn singular_directions(matrix: &DMatrix<f64>) -> (Vec<f64>, DMatrix<f64>) {
+    let eigen = (matrix.transpose() * matrix).symmetric_eigen();
+    let mut order: Vec<usize> = (0..matrix.ncols()).collect();
+    order.sort_by(|a, b| eigen.eigenvalues[*b].total_cmp(&eigen.eigenvalues[*a]));
+    let values = order.iter().map(|j| eigen.eigenvalues[*j].max(0.0).sqrt()).collect();
+    let columns: Vec<_> = order.iter().map(|j| eigen.eigenvectors.column(*j)).collect();
+    (values, DMatrix::from_columns(&columns))
+}
+
+/// Inexact ALM, step by step as Lin et al. write it.
+pub(crate) fn exact_alm(data: &DMatrix<f64>, iterations: usize, tolerance: f64, order: Order, lambda: f64) -> Split {
     let spectral = data.clone().svd(false, false).singular_values.max();
     let mut y = data / spectral.max(data.amax() / lambda);
     let mut mu = 1.25 / spectral;
-    let (mut a, mut e) = (zero.clone(), zero);
+    let mut a = DMatrix::zeros(data.nrows(), data.ncols());
+    let mut split = Split { singular: vec![], vectors: a.clone(), sparse: a.clone() };
     let soft = |m: DMatrix<f64>, t: f64| m.map(|v| v - v.clamp(-t, t));
-    let shrink = |m: DMatrix<f64>, t: f64| {
-        let mut svd = m.svd(true, true);
-        svd.singular_values.apply(|s| *s = (*s - t).max(0.0));
-        svd.recompose().expect("both sides were asked for")
-    };
     for iteration in 1..=iterations {
         if order == Order::SparseFirst {
-            e = soft(data - &a + &y / mu, lambda / mu);
+            split.sparse = soft(data - &a + &y / mu, lambda / mu);
         }
-        a = shrink(data - &e + &y / mu, 1.0 / mu);
+        let open = data - &split.sparse + &y / mu;
+        let (values, vectors) = singular_directions(&open);
+        split.singular = values.iter().map(|s| (s - 1.0 / mu).max(0.0)).collect();
+        let shares = split.singular.iter().zip(&values).map(|(a, x)| if *x > 0.0 { a / x } else { 0.0 });
+        let shares = DMatrix::from_diagonal(&DVector::from_iterator(values.len(), shares));
+        a = open * &vectors * shares * vectors.transpose();
+        split.vectors = vectors;
         if order == Order::LowRankFirst {
-            e = soft(data - &a + &y / mu, lambda / mu);
+            split.sparse = soft(data - &a + &y / mu, lambda / mu);
         }
-        let rest = data - &a - &e;
+        let rest = data - &a - &split.sparse;
         y += &rest * mu;
         mu *= 1.5;
         if rest.norm() < tolerance * data.norm() {
             if order == Order::SparseFirst && iteration < iterations {
-                e = soft(data - &a + &y / mu, lambda / mu);
+                split.sparse = soft(data - &a + &y / mu, lambda / mu);
             }
             break;
         }
     }
-    (a, e)
+    split
 }
 
 pub(crate) fn lambda_of(lambda: Lambda, rows: usize, columns: usize) -> f64 {
@@ -199,20 +217,18 @@ fn scales(features: &FeatureSet, neighbours: &[(usize, usize)]) -> DVector<f64> 
 fn basis(data: &DMatrix<f64>, settings: &RegressionSettings) -> DMatrix<f64> {
     let reduction = &settings.reduction;
     let lambda = lambda_of(reduction.lambda, data.nrows(), data.ncols());
-    let (a, e) = exact_alm(data, reduction.iterations, reduction.tolerance.into(), reduction.order, lambda);
-    let svd = a.svd(false, true);
-    let total: f64 = svd.singular_values.sum();
+    let split = exact_alm(data, reduction.iterations, reduction.tolerance.into(), reduction.order, lambda);
+    let total: f64 = split.singular.iter().sum();
     let mut sum = 0.0;
-    let by_energy = svd.singular_values.iter().take_while(|s| {
+    let by_energy = split.singular.iter().take_while(|s| {
         let before = sum;
         sum += **s;
         before <= f64::from(reduction.energy) * total
     });
     let by_energy = by_energy.count();
-    let error = e.svd(false, false).singular_values.max();
-    let by_error = svd.singular_values.iter().filter(|s| **s > f64::from(reduction.perturbation) * error).count();
-    let rank = by_energy.max(by_error).max(2);
-    svd.v_t.expect("the right side was asked for").rows(0, rank).transpose()
+    let error = split.sparse.svd(false, false).singular_values.max();
+    let by_error = split.singular.iter().filter(|s| **s > f64::from(reduction.perturbation) * error).count();
+    split.vectors.columns(0, by_energy.max(by_error).max(2)).into_owned()
 }
 
 fn curvature(z: &[DVector<f64>], colours: [DVector<f64>; 3], rank: usize) -> Vec<f64> {
@@ -250,4 +266,17 @@ fn equivalent_kernel(z: &[DVector<f64>], narrow: &DVector<f64>, ridge: f64) -> D
     }
     let inverse = normal.try_inverse().expect("a ridge makes it regular");
     (inverse.row(0) * rows.transpose() * weights).transpose()
+}
+
+#[test]
+fn singular_directions_agree_with_the_decomposition_of_nalgebra() {
+    let mut random = Random(21);
+    let matrix = DMatrix::from_fn(50, 6, |_, j| f64::from(random.normal()) / (j + 1) as f64);
+    let (values, vectors) = singular_directions(&matrix);
+    let svd = matrix.svd(false, true);
+    let v_t = svd.v_t.expect("the right side was asked for");
+    for j in 0..6 {
+        assert!((values[j] - svd.singular_values[j]).abs() < 1e-9);
+        assert!(((v_t.row(j) * vectors.column(j))[0].abs() - 1.0).abs() < 1e-9);
+    }
 }

@@ -203,3 +203,76 @@ impl<S: Simd> Window<S> {
         across * down as f32
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use pulp::{Scalar, Scalar256b};
+    use stack::{Image, Size};
+
+    use super::super::RegressionInput;
+    use super::super::twin::Scene;
+    use super::*;
+    use crate::prefilter::FeatureSet;
+
+    /// Three pixels in a row; a group of two features, a faint one, and one that is constant.
+    fn row_of_three() -> (Image, FeatureSet) {
+        let size = Size::new(3, 1);
+        let planes = vec![vec![0.0, 0.3, 0.6], vec![0.4, 0.4, 1.0], vec![0.0, 1e-3, 0.0], vec![0.7; 3]];
+        (Image::zeros(size, 3), FeatureSet { size, planes, groups: vec![0..2, 2..3, 3..4] })
+    }
+
+    #[test]
+    fn scales_by_hand() {
+        let (black, features) = row_of_three();
+        let input = RegressionInput { colour: &black, variance: &black, features: &features, active: None };
+        let field = Field::new(&input, 2);
+        let mut window = Window::new(Scalar, &field);
+        let mut scales_at = |x, normalisation| {
+            window.move_to(&field, x, 0);
+            window.normalise(&field, normalisation);
+            [0, 1, 2, 3].map(|f| window.scales[f].to_array()[0])
+        };
+        // Means 0.3 and 0.6; the last pixel is farthest: (0.3, 0.4).
+        for x in 0..3 {
+            let scales = scales_at(x, Normalisation::Window);
+            assert!((scales[0] - 2.0).abs() < 1e-5 && scales[1] == scales[0], "{scales:?}");
+            assert_eq!(scales[2..], [1.0 / 0.01, 0.0]);
+        }
+        assert_eq!(scales_at(1, Normalisation::None), [1.0, 1.0, 1.0, 0.0]);
+    }
+
+    #[test]
+    fn the_lattice_holds_scaled_differences_within_the_picture() {
+        let (black, features) = row_of_three();
+        let input = RegressionInput { colour: &black, variance: &black, features: &features, active: None };
+        let field = Field::new(&input, 2);
+        let mut window = Window::new(Scalar, &field);
+        window.move_to(&field, 2, 0);
+        window.normalise(&field, Normalisation::None);
+        let mut rows = vec![];
+        let inside = window.lattice(&field, 2, &[0, 1], 2, &mut rows);
+        assert_eq!(inside.to_array()[0], 2.0);
+        // Offsets −2, 0 and 2, the last of which is outside, and a row of padding.
+        let values: Vec<f32> = rows.iter().map(|v| v.to_array()[0]).collect();
+        let expected = [-0.6, -0.6, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        assert!(values.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6), "{values:?}");
+    }
+
+    #[test]
+    fn each_lane_sees_its_own_window() {
+        let scene = Scene::new(Size::new(21, 9), 0.0);
+        let field = Field::new(&scene.input(), 5);
+        let (mut wide, mut single) = (Window::new(Scalar256b, &field), Window::new(Scalar, &field));
+        for (start, y) in [(0, 0), (8, 4), (16, 8)] {
+            wide.move_to(&field, start, y);
+            wide.normalise(&field, Normalisation::Window);
+            for x in start..(start + 8).min(21) {
+                single.move_to(&field, x, y);
+                single.normalise(&field, Normalisation::Window);
+                for (a, b) in wide.scales.iter().zip(&single.scales) {
+                    assert_eq!(a.to_array()[x - start], b.to_array()[0]);
+                }
+            }
+        }
+    }
+}
