@@ -26,7 +26,7 @@ Ns 60
 newmtl table
 Kd 0.16 0.07 0.04
 Ks 0.06 0.06 0.06
-Ns 900
+Ns 300
 newmtl brass
 Kd 0 0 0
 Ks 0.88 0.70 0.36
@@ -37,7 +37,7 @@ newmtl steel
 Kd 0 0 0
 Ks 0.78 0.79 0.81
 Pm 1
-Pr 0.12
+Pr 0.25
 illum 3
 newmtl glass
 Kd 0 0 0
@@ -64,10 +64,10 @@ newmtl frame
 Kd 0.05 0.05 0.05
 newmtl lamp
 Kd 0 0 0
-Ke 260 205 130
+Ke 560 440 280
 newmtl skylight
 Kd 0 0 0
-Ke 1.1 1.3 1.6
+Ke 9 10.5 12.5
 """
 
 
@@ -177,7 +177,7 @@ def things(m):
     m.begin("lamp_foot", "brass")
     m.lathe((0.5, 0.75, -1.1), [(0.001, 0), (0.09, 0), (0.09, 0.012), (0.012, 0.02), (0.008, 0.2), (0.008, 0.36)], 24)
     m.begin("lamp_bulb", "lamp")
-    m.lathe((0.5, 1.15, -1.1), sphere(0.035, 8), 12)
+    m.lathe((0.5, 1.15, -1.1), sphere(0.06, 8), 12)
     m.begin("lamp_shade", "shade")
     m.lathe((0.5, 1.08, -1.1), [(0.165, 0), (0.09, 0.19)], 32)
     m.begin("goblet", "glass")

@@ -11,7 +11,7 @@ use anyhow::{Context, Result};
 use clap::ValueEnum;
 
 use crate::args::ExperimentArgs;
-use crate::failure::Verdict;
+use crate::failure::{Verdict, usage};
 use crate::progress::Progress;
 use crate::{interrupt, render};
 
@@ -29,8 +29,17 @@ pub enum Experiment {
     Fireflies,
 }
 
+impl Experiment {
+    const fn needs_inputs(self) -> bool {
+        !matches!(self, Self::Fireflies)
+    }
+}
+
 /// Runs the command.
 pub fn run(args: &ExperimentArgs) -> Result<Verdict> {
+    if args.inputs.is_empty() && args.name.needs_inputs() {
+        return Err(usage("this experiment needs inputs; tamis help experiment says which"));
+    }
     render::start_threads(&args.report)?;
     interrupt::listen();
     std::fs::create_dir_all(&args.output)

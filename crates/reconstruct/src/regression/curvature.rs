@@ -12,6 +12,8 @@ use super::window::Window;
 stack::knobs! {
     /// The bandwidth factors b_j (section 3.1, after Moon et al. 2014).
     pub struct CurvatureSettings("curvature") {
+        /// Whether bandwidths follow the picture's curvature at all; without, every b_j is 1.
+        adaptive: bool = true, ..;
         /// Ridge of the quadratic fit, as a share of the kernel's weight.
         ridge: f32 = 1e-3, 1e-6..=1.0;
         /// Added to the second derivative |H_j| in b_j = 1/√(|H_j| + floor).
@@ -47,6 +49,10 @@ impl<S: Simd> Curvature<S> {
         rank: usize,
         settings: &CurvatureSettings,
     ) {
+        if !settings.adaptive {
+            self.factors[..rank].fill(Lanes::splat(self.simd, 1.0));
+            return;
+        }
         let (unknowns, width) = (2 * rank + 1, 2 * rank + 4);
         self.normal.begin(width);
         self.add_neighbours(field, window, projection, rank);
