@@ -83,7 +83,8 @@ impl<S: Simd> Lanes<S> {
 
     #[inline(always)]
     pub(crate) fn abs(self) -> Self {
-        Self { value: self.simd.abs_f32s(self.value), ..self }
+        // Not `abs_f32s`: it is not always inlined, and a call from vector code is dear.
+        self.max(Self::splat(self.simd, 0.0) - self)
     }
 
     #[inline(always)]

@@ -48,12 +48,14 @@ fn add_gram_tile<S: Simd, const WIDTH: usize>(
 ) {
     // Sums go on from where they were, so that they do not depend on where rows are cut into blocks.
     let mut sums: [[Lanes<S>; WIDTH]; 2] = [read_tile(simd, gram), read_tile(simd, &gram[columns..])];
-    for row in rows.chunks_exact(columns) {
-        let (left, right) = (&row[i..i + 2], &row[j..j + WIDTH]);
+    let mut start = 0;
+    while start < rows.len() {
+        let (left, right) = (&rows[start + i..][..2], &rows[start + j..][..WIDTH]);
         for w in 0..WIDTH {
             sums[0][w] += left[0] * right[w];
             sums[1][w] += left[1] * right[w];
         }
+        start += columns;
     }
     gram[..WIDTH].copy_from_slice(&sums[0]);
     gram[columns..columns + WIDTH].copy_from_slice(&sums[1]);
@@ -76,21 +78,27 @@ pub(crate) fn multiply<S: Simd>(
     matrix: &[Lanes<S>],
     columns: usize,
 ) {
-    for (to, from) in product.chunks_exact_mut(2 * columns).zip(rows.chunks_exact(2 * inner)) {
+    let mut start = 0;
+    let mut to = 0;
+    while start < rows.len() {
+        let from = &rows[start..start + 2 * inner];
         let mut j = 0;
         while j < columns {
             let width = tile_width(columns - j);
+            let to = &mut product[to + j..];
             match width {
-                6 => multiply_tile::<S, 6>(simd, to, from, matrix, columns, j),
-                4 => multiply_tile::<S, 4>(simd, to, from, matrix, columns, j),
-                _ => multiply_tile::<S, 2>(simd, to, from, matrix, columns, j),
+                6 => multiply_tile::<S, 6>(simd, to, from, &matrix[j..], columns),
+                4 => multiply_tile::<S, 4>(simd, to, from, &matrix[j..], columns),
+                _ => multiply_tile::<S, 2>(simd, to, from, &matrix[j..], columns),
             }
             j += width;
         }
+        start += 2 * inner;
+        to += 2 * columns;
     }
 }
 
-/// Two rows of the product, columns j … j + `WIDTH` − 1.
+/// Two rows of the product, the first `WIDTH` columns of `matrix`.
 #[inline(always)]
 fn multiply_tile<S: Simd, const WIDTH: usize>(
     simd: S,
@@ -98,19 +106,19 @@ fn multiply_tile<S: Simd, const WIDTH: usize>(
     rows: &[Lanes<S>],
     matrix: &[Lanes<S>],
     columns: usize,
-    j: usize,
 ) {
     let mut sums = [[Lanes::splat(simd, 0.0); WIDTH]; 2];
     let (first, second) = rows.split_at(rows.len() / 2);
-    for ((a, b), factors) in first.iter().zip(second).zip(matrix.chunks_exact(columns)) {
-        let factors = &factors[j..j + WIDTH];
+    for f in 0..first.len() {
+        let factors = &matrix[f * columns..][..WIDTH];
+        let (a, b) = (first[f], second[f]);
         for w in 0..WIDTH {
-            sums[0][w] += *a * factors[w];
-            sums[1][w] += *b * factors[w];
+            sums[0][w] += a * factors[w];
+            sums[1][w] += b * factors[w];
         }
     }
-    product[j..j + WIDTH].copy_from_slice(&sums[0]);
-    product[columns + j..columns + j + WIDTH].copy_from_slice(&sums[1]);
+    product[..WIDTH].copy_from_slice(&sums[0]);
+    product[columns..columns + WIDTH].copy_from_slice(&sums[1]);
 }
 
 #[cfg(test)]

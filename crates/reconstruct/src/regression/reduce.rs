@@ -202,14 +202,14 @@ impl<S: Simd> Reduction<S> {
         for (i, vector) in self.pca.vectors[..width * width].iter().enumerate() {
             vector.store(&mut self.vectors[i * lanes..]);
         }
+        self.basis.fill(Lanes::splat(self.simd, 0.0));
         for place in 0..self.columns {
-            for i in 0..width {
+            for (i, feature) in self.listed.iter().enumerate() {
                 let mut values = [0.0; MOST_LANES];
                 for lane in (0..lanes).filter(|lane| place < self.rank[*lane]) {
                     values[lane] = self.vectors[(self.kept[lane * width + place] * width + i) * lanes + lane];
                 }
-                let scale = self.listed.get(i).map_or(Lanes::splat(self.simd, 0.0), |f| window.scales[*f]);
-                self.basis[i * self.columns + place] = Lanes::load(self.simd, &values) * scale;
+                self.basis[i * self.columns + place] = Lanes::load(self.simd, &values) * window.scales[*feature];
             }
         }
     }

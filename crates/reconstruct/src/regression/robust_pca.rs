@@ -75,7 +75,6 @@ pub(crate) struct RobustPca<S: Simd> {
     low: Vec<Lanes<S>>,
     /// Indices of the directions that the low-rank step keeps, and how much of each.
     kept: Vec<usize>,
-    rank: usize,
     factors: Vec<Lanes<S>>,
     /// V_r, f V_rᵀ, and X·V_r.
     onto: Vec<Lanes<S>>,
@@ -101,7 +100,6 @@ impl<S: Simd> RobustPca<S> {
             sparse: Vec::with_capacity(rows.next_multiple_of(4) * width),
             low: zeros(BLOCK * width),
             kept: Vec::with_capacity(width),
-            rank: 2,
             factors: zeros(width),
             onto: zeros(width * width),
             back: zeros(width * width),
@@ -239,14 +237,24 @@ impl<S: Simd> RobustPca<S> {
                 self.kept.push(j);
             }
         }
-        let rank = self.kept.len().next_multiple_of(2).max(2);
-        self.rank = rank;
-        for place in 0..rank {
+        self.pad_kept();
+        let rank = self.kept.len();
+        for (place, j) in self.kept.iter().enumerate() {
             for i in 0..n {
-                let (value, factor) =
-                    self.kept.get(place).map_or((zero, zero), |j| (self.eigen.vectors[j * n + i], self.factors[*j]));
+                let value = self.eigen.vectors[j * n + i];
                 self.onto[i * rank + place] = value;
-                self.back[place * n + i] = value * factor;
+                self.back[place * n + i] = value * self.factors[*j];
+            }
+        }
+    }
+
+    /// Adds directions that are not kept, of factor zero, until their number is even and not zero.
+    #[inline(always)]
+    fn pad_kept(&mut self) {
+        for j in 0..self.width {
+            let complete = self.kept.len() % 2 == 0 && !self.kept.is_empty();
+            if !complete && !self.kept.contains(&j) {
+                self.kept.push(j);
             }
         }
     }
@@ -254,7 +262,7 @@ impl<S: Simd> RobustPca<S> {
     /// A, for a block of the rows of X.
     #[inline(always)]
     fn shrink(&mut self, block: Range<usize>) {
-        let (simd, n, rank) = (self.simd, self.width, self.rank);
+        let (simd, n, rank) = (self.simd, self.width, self.kept.len());
         let target = &self.target[block];
         let low = &mut self.low[..target.len()];
         let coordinates = &mut self.coordinates[..target.len() / n * rank];
