@@ -1,6 +1,8 @@
 //! Eigenvalues and eigenvectors of small symmetric matrices, by Jacobi rotations (Golub and Van Loan, *Matrix
 //! Computations*, section 8.5).
 
+use std::ops::Range;
+
 use pulp::Simd;
 
 use super::lanes::Lanes;
@@ -24,17 +26,19 @@ pub(crate) struct Eigen<S: Simd> {
     rotated: Vec<Lanes<S>>,
     whole: Vec<Lanes<S>>,
     half: Vec<Lanes<S>>,
+    /// All pairs of rows, in rounds of disjoint pairs.
     order: Vec<(usize, usize)>,
+    rounds: Vec<Range<usize>>,
+    turns: Vec<Rotation<S>>,
 }
 
 impl<S: Simd> Eigen<S> {
     /// Room for matrices up to `most` × `most`.
     pub(crate) fn with_capacity(simd: S, most: usize) -> Self {
         let zeros = |n| vec![Lanes::splat(simd, 0.0); n];
-        let order = Vec::with_capacity(most * most);
-        let (values, vectors) = (zeros(most), zeros(most * most));
-        let [rotated, whole, half] = [0; 3].map(|_| zeros(most * most));
-        Self { simd, size: 0, values, vectors, rotated, whole, half, order }
+        let [vectors, rotated, whole, half] = [0; 4].map(|_| zeros(most * most));
+        let (order, rounds, turns) = (Vec::with_capacity(most * most), Vec::new(), Vec::with_capacity(most));
+        Self { simd, size: 0, values: zeros(most), vectors, rotated, whole, half, order, rounds, turns }
     }
 
     /// Starts a series of similar matrices of `size` rows, the first of which is close to nothing known.
@@ -49,9 +53,11 @@ impl<S: Simd> Eigen<S> {
                 self.vectors[i * size + j] = Lanes::splat(self.simd, if i == j { 1.0 } else { 0.0 });
             }
         }
-        // Pairs of equal sum are disjoint: their rotations do not wait for one another.
+        // Pairs of equal sum are disjoint: their angles can be found together.
         self.order.clear();
+        self.rounds.clear();
         for sum in 0..all {
+            let first = self.order.len();
             for (p, a) in labels.iter().enumerate() {
                 for (q, b) in labels.iter().enumerate().skip(p + 1) {
                     if (a + b) % all == sum {
@@ -59,6 +65,7 @@ impl<S: Simd> Eigen<S> {
                     }
                 }
             }
+            self.rounds.push(first..self.order.len());
         }
     }
 
@@ -105,29 +112,33 @@ impl<S: Simd> Eigen<S> {
     #[inline(always)]
     fn sweep(&mut self, negligible: Lanes<S>) -> bool {
         let mut any = false;
-        for index in 0..self.order.len() {
-            let (p, q) = self.order[index];
-            let needed = negligible.less_than(self.rotated[p * self.size + q].abs());
-            if needed.any() {
+        for round in 0..self.rounds.len() {
+            self.turns.clear();
+            for index in self.rounds[round].clone() {
+                let (p, q) = self.order[index];
+                let entry = self.rotated[p * self.size + q];
+                let needed = negligible.less_than(entry.abs());
+                if needed.any() {
+                    let entry = needed.select(entry, Lanes::splat(self.simd, 0.0));
+                    let gap = self.rotated[q * self.size + q] - self.rotated[p * self.size + p];
+                    self.turns.push(Rotation::new(self.simd, (p, q), gap, entry));
+                }
+            }
+            for index in 0..self.turns.len() {
                 any = true;
-                let entry = needed.select(self.rotated[p * self.size + q], Lanes::splat(self.simd, 0.0));
-                self.rotate(p, q, entry);
+                self.rotate(self.turns[index]);
             }
         }
         any
     }
 
-    /// Rotates rows and columns p and q so that their common `entry` vanishes (an entry of 0 rotates nothing).
+    /// Rotates the two rows and columns of `turn`, so that their common entry vanishes.
     #[inline(always)]
-    fn rotate(&mut self, p: usize, q: usize, entry: Lanes<S>) {
-        let n = self.size;
-        let gap = self.rotated[q * n + q] - self.rotated[p * n + p];
-        let tangent = tangent_of_rotation(self.simd, gap, entry);
-        let cosine = Lanes::splat(self.simd, 1.0) / (tangent.squared() + 1.0).sqrt();
-        let turn = Rotation { cosine, sine: tangent * cosine };
-        self.rotated[p * n + p] = self.rotated[p * n + p] - tangent * entry;
-        self.rotated[q * n + q] += tangent * entry;
-        self.rotated[p * n + q] = self.rotated[p * n + q] - entry;
+    fn rotate(&mut self, turn: Rotation<S>) {
+        let (n, p, q) = (self.size, turn.p, turn.q);
+        self.rotated[p * n + p] = self.rotated[p * n + p] - turn.shift;
+        self.rotated[q * n + q] += turn.shift;
+        self.rotated[p * n + q] = self.rotated[p * n + q] - turn.entry;
         for r in 0..p {
             turn.apply(&mut self.rotated, r * n + p, r * n + q);
         }
@@ -143,23 +154,33 @@ impl<S: Simd> Eigen<S> {
     }
 }
 
-/// The smaller of the two angles that diagonalise a 2 × 2 block, as a tangent; 0 where the `entry` is 0.
-#[inline(always)]
-fn tangent_of_rotation<S: Simd>(simd: S, gap: Lanes<S>, entry: Lanes<S>) -> Lanes<S> {
-    let zero = Lanes::splat(simd, 0.0);
-    let twice = entry + entry;
-    let root = (gap.squared() + twice.squared()).sqrt();
-    let signed = gap.less_than(zero).select(zero - twice, twice);
-    root.equals(zero).select(zero, signed / (gap.abs() + root).max(Lanes::splat(simd, f32::MIN_POSITIVE)))
-}
-
+/// A rotation in the plane of rows p and q.
 #[derive(Clone, Copy, Debug)]
 struct Rotation<S: Simd> {
+    p: usize,
+    q: usize,
+    /// What becomes zero.
+    entry: Lanes<S>,
+    /// By how much it moves the diagonal entries apart.
+    shift: Lanes<S>,
     cosine: Lanes<S>,
     sine: Lanes<S>,
 }
 
 impl<S: Simd> Rotation<S> {
+    /// The smaller of the two rotations that diagonalise a 2 × 2 block with the given `entry` beside the diagonal,
+    /// whose diagonal entries differ by `gap`. Where the entry is 0 it rotates nothing.
+    #[inline(always)]
+    fn new(simd: S, (p, q): (usize, usize), gap: Lanes<S>, entry: Lanes<S>) -> Self {
+        let (zero, one) = (Lanes::splat(simd, 0.0), Lanes::splat(simd, 1.0));
+        let twice = entry + entry;
+        let root = (gap.squared() + twice.squared()).sqrt();
+        let signed = gap.less_than(zero).select(zero - twice, twice);
+        let tangent = signed / (gap.abs() + root).max(Lanes::splat(simd, f32::MIN_POSITIVE));
+        let cosine = one / (tangent.squared() + 1.0).sqrt();
+        Self { p, q, entry, shift: tangent * entry, cosine, sine: tangent * cosine }
+    }
+
     #[inline(always)]
     fn apply(self, values: &mut [Lanes<S>], i: usize, j: usize) {
         let (a, b) = (values[i], values[j]);
