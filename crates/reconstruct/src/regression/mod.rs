@@ -1,9 +1,9 @@
 //! Every pixel rebuilt by a local regression on the features.
 //!
-//! The steps of a pixel are those of the paper: the [`window`] of neighbours; the directions in which its features
-//! vary ([`reduce`], section 4.3, by [`robust_pca`]); the pilot [`bandwidth`] (section 4.4); the [`curvature`] along
-//! each direction; the [`local_linear`] estimate and its error (section 3.1). Neighbouring pixels take them side by
-//! side, in the [`lanes`] of the processor's vectors.
+//! The steps of a pixel are those of the paper, one file each: the window of neighbours (`window`); the directions in
+//! which its features vary (`reduce`, section 4.3, by `robust_pca`); the pilot bandwidth (`bandwidth`, section 4.4);
+//! the curvature along each direction (`curvature`); the local linear estimate and its error (`local_linear`, section
+//! 3.1). Neighbouring pixels take them side by side, in the lanes of the processor's vectors (`lanes`).
 
 mod bandwidth;
 mod cholesky;
@@ -13,6 +13,7 @@ mod lanes;
 mod local_linear;
 mod matrix;
 mod normal_equations;
+mod power_iteration;
 mod reduce;
 mod robust_pca;
 mod row;

@@ -12,7 +12,8 @@ use pulp::Simd;
 
 use super::lanes::{Lanes, Mask};
 use super::matrix::{add_gram, multiply};
-use super::symmetric_eigen::{Eigen, largest_eigenvalue};
+use super::power_iteration::largest_eigenvalue;
+use super::symmetric_eigen::Eigen;
 
 stack::knob_choice! {
     /// Which of the two unknowns an iteration updates first.
@@ -252,7 +253,7 @@ impl<S: Simd> RobustPca<S> {
     #[inline(always)]
     fn pad_kept(&mut self) {
         for j in 0..self.width {
-            let complete = self.kept.len() % 2 == 0 && !self.kept.is_empty();
+            let complete = self.kept.len().is_multiple_of(2) && !self.kept.is_empty();
             if !complete && !self.kept.contains(&j) {
                 self.kept.push(j);
             }

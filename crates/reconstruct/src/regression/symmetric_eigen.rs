@@ -189,53 +189,8 @@ impl<S: Simd> Rotation<S> {
     }
 }
 
-/// The largest eigenvalue of a positive semi-definite `matrix` (upper triangle, `size` rows, a multiple of 2), by power
-/// iteration from the column with the largest diagonal entry. Never too large; too small by a few percent at most,
-/// when the next eigenvalue is that close.
-#[inline(always)]
-pub(crate) fn largest_eigenvalue<S: Simd>(
-    simd: S,
-    matrix: &[Lanes<S>],
-    size: usize,
-    room: &mut [Lanes<S>],
-) -> Lanes<S> {
-    const STEPS: usize = 16;
-    let zero = Lanes::splat(simd, 0.0);
-    let entry = |i: usize, j: usize| matrix[i.min(j) * size + i.max(j)];
-    let (vector, image) = room[..2 * size].split_at_mut(size);
-    let mut largest = zero;
-    for j in 0..size {
-        let better = largest.less_than(entry(j, j));
-        largest = better.select(entry(j, j), largest);
-        for i in 0..size {
-            vector[i] = better.select(entry(i, j), if j == 0 { zero } else { vector[i] });
-        }
-    }
-    let mut value = zero;
-    for _ in 0..STEPS {
-        let mut norm = zero;
-        for i in 0..size {
-            norm += vector[i].squared();
-        }
-        let scale = norm.sqrt().reciprocal_or_zero();
-        for i in 0..size {
-            vector[i] = vector[i] * scale;
-        }
-        value = zero;
-        for i in 0..size {
-            image[i] = zero;
-            for j in 0..size {
-                image[i] += entry(i, j) * vector[j];
-            }
-            value += image[i] * vector[i];
-        }
-        vector.copy_from_slice(image);
-    }
-    value
-}
-
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use nalgebra::DMatrix;
     use pulp::Scalar256b;
 
@@ -243,11 +198,11 @@ mod tests {
     use super::super::twin::Random;
     use super::*;
 
-    const N: usize = 10;
-    const SIMD: Scalar256b = Scalar256b;
+    pub(crate) const N: usize = 10;
+    pub(crate) const SIMD: Scalar256b = Scalar256b;
 
     /// Gram matrices, one per lane, whose eigenvalues fall off as they do in windows: some lanes have few directions.
-    fn gram_matrices(random: &mut Random) -> (Vec<DMatrix<f64>>, Vec<Lanes<Scalar256b>>) {
+    pub(crate) fn gram_matrices(random: &mut Random) -> (Vec<DMatrix<f64>>, Vec<Lanes<Scalar256b>>) {
         let matrices: Vec<DMatrix<f64>> = (0..8)
             .map(|lane| {
                 let x = DMatrix::from_fn(40, N, |_, _| f64::from(random.normal()));
@@ -313,24 +268,11 @@ mod tests {
     }
 
     #[test]
-    fn the_largest_eigenvalue_agrees_with_nalgebra() {
-        let (exact, lanes) = gram_matrices(&mut Random(11));
-        let mut room = vec![Lanes::splat(SIMD, 0.0); 2 * N];
-        let found = largest_eigenvalue(SIMD, &lanes, N, &mut room).to_array();
-        for (matrix, found) in exact.iter().zip(found) {
-            let ratio = f64::from(found) / matrix.symmetric_eigenvalues().max();
-            assert!((0.97..1.00001).contains(&ratio), "{ratio}");
-        }
-    }
-
-    #[test]
     fn nothing_comes_from_nothing() {
         let zeros = vec![Lanes::splat(SIMD, 0.0); N * N];
         let mut eigen = Eigen::with_capacity(SIMD, N);
         eigen.start(N, &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9], N);
         eigen.solve(&zeros, zeros[0]);
         assert!(eigen.values.iter().all(|v| v.to_array() == [0.0; MOST_LANES]));
-        let mut room = vec![zeros[0]; 2 * N];
-        assert_eq!(largest_eigenvalue(SIMD, &zeros, N, &mut room).to_array(), [0.0; MOST_LANES]);
     }
 }
