@@ -1,14 +1,17 @@
 #!/usr/bin/env python3
-"""Writes study.obj and study.mtl beside itself: a room with a glossy table, glass and a small bright lamp.
+"""Writes the OBJ and MTL files of this folder's scenes beside itself.
 
-Plain Python, no packages. Run it again after changing a shape: python3 scenes/make_study.py
+study: a room with a glossy table, glass and a small bright lamp.
+halves: smooth ground under an even sky on the left, a dark niche with a tiny lamp and shiny balls on the right.
+
+Plain Python, no packages. Run it again after changing a shape: python3 scenes/make_scenes.py
 """
 from math import cos, pi, sin, sqrt
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 
-MATERIALS = """\
+STUDY_MATERIALS = """\
 newmtl wall
 Kd 0.72 0.68 0.60
 newmtl terracotta
@@ -64,18 +67,48 @@ newmtl frame
 Kd 0.05 0.05 0.05
 newmtl lamp
 Kd 0 0 0
-Ke 560 440 280
+Ke 900 760 560
 newmtl skylight
 Kd 0 0 0
 Ke 9 10.5 12.5
+"""
+
+HALVES_MATERIALS = """\
+newmtl chalk
+Kd 0.55 0.55 0.55
+newmtl sand
+Kd 0.60 0.48 0.30
+newmtl slate
+Kd 0.45 0.47 0.50
+newmtl steel
+Kd 0 0 0
+Ks 0.78 0.79 0.81
+Pm 1
+Pr 0.3
+illum 3
+newmtl gold
+Kd 0 0 0
+Ks 0.95 0.75 0.35
+Pm 1
+Pr 0.45
+illum 3
+newmtl glass
+Kd 0 0 0
+Tf 1 1 1
+Ni 1.5
+d 0.1
+illum 7
+newmtl lamp
+Kd 0 0 0
+Ke 900 850 700
 """
 
 
 class Mesh:
     """Collects vertices, normals and faces, and prints them as OBJ."""
 
-    def __init__(self):
-        self.lines = ["# made by make_study.py", "mtllib study.mtl"]
+    def __init__(self, name):
+        self.lines = ["# made by make_scenes.py", f"mtllib {name}.mtl"]
         self.vertices = self.normals = 0
 
     def begin(self, name, material):
@@ -177,7 +210,7 @@ def things(m):
     m.begin("lamp_foot", "brass")
     m.lathe((0.5, 0.75, -1.1), [(0.001, 0), (0.09, 0), (0.09, 0.012), (0.012, 0.02), (0.008, 0.2), (0.008, 0.36)], 24)
     m.begin("lamp_bulb", "lamp")
-    m.lathe((0.5, 1.15, -1.1), sphere(0.06, 8), 12)
+    m.lathe((0.5, 1.14, -1.1), [(0.06, 0), (0.001, 0)], 16)
     m.begin("lamp_shade", "shade")
     m.lathe((0.5, 1.08, -1.1), [(0.165, 0), (0.09, 0.19)], 32)
     m.begin("goblet", "glass")
@@ -194,13 +227,44 @@ def things(m):
                                    (0.104, 0.056), (0.05, 0.018), (0.001, 0.014)], 32)
 
 
-def main():
-    mesh = Mesh()
+def study():
+    mesh = Mesh("study")
     room(mesh)
     furniture(mesh)
     things(mesh)
-    (HERE / "study.obj").write_text("\n".join(mesh.lines) + "\n")
-    (HERE / "study.mtl").write_text(MATERIALS)
+    return mesh
+
+
+def halves():
+    m = Mesh("halves")
+    m.begin("ground", "chalk")
+    m.quad((-6, 0, 4), (6, 0, 4), (6, 0, -2), (-6, 0, -2))
+    m.begin("backdrop", "chalk")
+    m.quad((-6, 0, -2), (6, 0, -2), (6, 6, -2), (-6, 6, -2))
+    m.begin("ball_large", "sand")
+    m.lathe((-1.2, 0.5, -0.6), sphere(0.5, 20), 40)
+    m.begin("niche_left", "slate")
+    m.box((0.0, 0, -1.2), (0.1, 1.9, 0.6))
+    m.begin("niche_right", "slate")
+    m.box((1.9, 0, -1.2), (2.0, 1.9, 0.6))
+    m.begin("niche_top", "slate")
+    m.box((0.0, 1.9, -1.2), (2.0, 2.0, 0.6))
+    m.begin("niche_back", "slate")
+    m.box((0.0, 0, -1.3), (2.0, 2.0, -1.2))
+    m.begin("niche_lamp", "lamp")
+    m.quad((0.96, 1.7, -0.36), (0.96, 1.7, -0.28), (1.04, 1.7, -0.28), (1.04, 1.7, -0.36))
+    for i, (x, y, z, material) in enumerate([
+            (0.45, 0.2, -0.3, "steel"), (1.0, 0.2, -0.6, "gold"), (1.5, 0.2, -0.2, "glass"), (0.75, 0.2, 0.2, "glass"),
+            (1.25, 0.2, 0.25, "steel"), (1.0, 0.54, -0.35, "gold")]):
+        m.begin(f"niche_ball_{i}", material)
+        m.lathe((x, y, z), sphere(0.2, 12), 24)
+    return m
+
+
+def main():
+    for name, mesh, materials in [("study", study(), STUDY_MATERIALS), ("halves", halves(), HALVES_MATERIALS)]:
+        (HERE / f"{name}.obj").write_text("\n".join(mesh.lines) + "\n")
+        (HERE / f"{name}.mtl").write_text(materials)
 
 
 if __name__ == "__main__":
