@@ -56,6 +56,28 @@ fn result_layers_of_the_input_are_never_read() {
 }
 
 #[test]
+fn renders_of_ours_serve_as_buckets_and_what_was_written_is_read_again() {
+    let workplace = Workplace::new();
+    for seed in 0..3 {
+        workplace.must(&format!("render box.obj --size 24x20 --spp 4 --uniform --seed {seed} -o b{seed}.exr --quiet"));
+    }
+    workplace.must("denoise --buckets b0.exr b1.exr b2.exr -o a.exr --aov all --quiet");
+    workplace.must("denoise a.exr -o b.exr --aov all --quiet");
+    assert_eq!(workplace.bytes("a.exr"), workplace.bytes("b.exr"));
+}
+
+#[test]
+fn a_file_says_which_settings_it_was_made_with() {
+    let workplace = Workplace::new();
+    workplace.must("render box.obj --size 24x20 --spp 4 --spike-threshold 3 -o a.exr --quiet");
+    workplace.must("denoise a.exr -o b.exr --window-radius 4 --quiet");
+    workplace.must("denoise b.exr -o c.exr --preset paper --quiet");
+    let said = ["b.exr", "c.exr"].map(|file| workplace.must(&format!("info {file}")).stdout());
+    assert!(said[0].contains("\"threshold\":3.0") && said[0].contains("\"radius\":4"), "{}", said[0]);
+    assert!(said[1].contains("\"threshold\":2.5") && said[1].contains("\"radius\":11"), "{}", said[1]);
+}
+
+#[test]
 fn a_crop_shows_the_same_noise_as_the_whole() {
     let workplace = Workplace::new();
     workplace.must("render box.obj --size 48x40 --spp 4 --uniform --no-denoise --quiet -o whole.exr");

@@ -87,9 +87,9 @@ pub struct PictureArgs {
     /// Reconstruction method.
     #[arg(long, value_enum, default_value_t)]
     pub method: Method,
-    /// Settings to start from; single flags override it.
-    #[arg(long, value_enum, default_value_t)]
-    pub preset: Preset,
+    /// Settings to start from; single flags override it [default: paper, or what the stack was made with].
+    #[arg(long, value_enum)]
+    pub preset: Option<Preset>,
 }
 
 #[derive(Debug, Default, Args)]

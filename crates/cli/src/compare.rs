@@ -10,6 +10,7 @@ use stack::file::read_picture;
 
 use crate::args::CompareArgs;
 use crate::failure::{Verdict, usage};
+use crate::stdout::print_line;
 
 /// Runs the command.
 pub fn run(args: &CompareArgs) -> Result<Verdict> {
@@ -24,9 +25,9 @@ pub fn run(args: &CompareArgs) -> Result<Verdict> {
         measured.push((file.as_path(), measure(file, &reference)?));
     }
     if args.json {
-        println!("{}", report(args, &measured));
+        print_line(report(args, &measured))?;
     } else {
-        print_table(&measured);
+        print_line(table(&measured))?;
     }
     let above = |comparison: &Comparison| matches!((comparison.rmse, args.max_rmse), (Some(rmse), Some(most)) if rmse > most || rmse.is_nan());
     Ok(if measured.iter().any(|(_, comparison)| above(comparison)) { Verdict::No } else { Verdict::Done })
@@ -52,17 +53,19 @@ fn report(args: &CompareArgs, measured: &[(&Path, Comparison)]) -> Value {
 }
 
 /// A column for each measure that was taken for any image, a row for each image.
-fn print_table(measured: &[(&Path, Comparison)]) {
-    let rows: Vec<(&Path, Measures)> = measured.iter().map(|(file, comparison)| (*file, values(comparison))).collect();
-    let Some((_, first)) = rows.first() else { return };
+fn table(measured: &[(&Path, Comparison)]) -> String {
+    let rows: Vec<(String, Measures)> =
+        measured.iter().map(|(file, comparison)| (file.display().to_string(), values(comparison))).collect();
+    let Some((_, first)) = rows.first() else { return String::new() };
     let shown: Vec<usize> = (0..first.len()).filter(|i| rows.iter().any(|(_, row)| row[*i].1.is_some())).collect();
-    let width = rows.iter().map(|(file, _)| file.display().to_string().len()).max().unwrap_or(0);
+    let width = rows.iter().map(|(file, _)| file.len()).max().unwrap_or(0);
     let heads: String = shown.iter().map(|i| format!("  {:>18}", first[*i].0)).collect();
-    println!("{:width$}{heads}", "");
+    let mut lines = vec![format!("{:width$}{heads}", "")];
     for (file, row) in &rows {
         let cells: String = shown.iter().map(|i| format!("  {:>18}", number(row[*i].1))).collect();
-        println!("{:width$}{cells}", file.display().to_string());
+        lines.push(format!("{file:width$}{cells}"));
     }
+    lines.join("\n")
 }
 
 /// Named measures; those that were not taken are `None`.

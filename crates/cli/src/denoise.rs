@@ -7,13 +7,14 @@ use clap::ArgMatches;
 use reconstruct::{Reconstruction, reconstruct};
 use serde_json::{Value, json};
 use stack::file::{ReadStack, StackHeader, read_buckets, read_stack};
-use stack::{Dealing, FeatureRole, FeatureStack};
+use stack::{FeatureRole, FeatureStack};
 
 use crate::args::{DenoiseArgs, Method};
 use crate::failure::{Verdict, usage};
 use crate::output::{Outputs, Written};
 use crate::progress::Progress;
 use crate::settings::Settings;
+use crate::stdout::print_line;
 use crate::{interrupt, render};
 
 /// Runs the command.
@@ -40,7 +41,7 @@ pub fn run(args: &DenoiseArgs, matches: &ArgMatches) -> Result<Verdict> {
     progress.finish();
     let beauty = read.stack.beauty();
     let picture = reconstruction.as_ref().map_or(&beauty, |r| &r.picture);
-    let header = read.header.unwrap_or_else(|| foreign_header(&read.stack, &settings));
+    let header = StackHeader { settings: settings.to_json(), ..header_of(&read) };
     let written = Written { picture, stack: &read.stack, reconstruction: reconstruction.as_ref(), header: &header };
     let writing = Instant::now();
     outputs.write(&written, &progress)?;
@@ -49,7 +50,7 @@ pub fn run(args: &DenoiseArgs, matches: &ArgMatches) -> Result<Verdict> {
     say_what_was_done(&progress, reconstruction.as_ref(), seconds[2].1);
     if args.report.json {
         let outcome = Outcome { outputs: &outputs, written: &written, settings: &settings, seconds: &seconds };
-        println!("{}", outcome.json(&progress));
+        print_line(outcome.json(&progress))?;
     }
     Ok(Verdict::Done)
 }
@@ -74,20 +75,23 @@ fn require(args: &DenoiseArgs, stack: &FeatureStack) -> Result<()> {
     Ok(())
 }
 
-/// Settings: those recorded in a file of ours, else the preset's, overridden by flags.
+/// Settings: those of the preset that was asked for, else those recorded in a file of ours, else the default's; flags
+/// override them.
 fn resolve(args: &DenoiseArgs, matches: &ArgMatches, header: Option<&StackHeader>) -> Result<Settings> {
-    let recorded = header.and_then(|header| serde_json::from_value::<Settings>(header.settings.clone()).ok());
-    let mut settings = recorded.unwrap_or_else(|| Settings::of(args.picture.preset));
+    let recorded = || serde_json::from_value::<Settings>(header?.settings.clone()).ok();
+    let mut settings = match args.picture.preset {
+        Some(preset) => Settings::of(preset),
+        None => recorded().unwrap_or_default(),
+    };
     settings.override_by(matches)?;
     Ok(settings)
 }
 
-fn foreign_header(stack: &FeatureStack, settings: &Settings) -> StackHeader {
-    let (sequences, buckets) = match stack.samples.dealing {
-        Dealing::Numbered { sequences, buckets } => (sequences, buckets),
-        Dealing::PerBucket(ref counts) => (counts.len() as u32, counts.len() as u32),
-    };
-    StackHeader { first: 0, sequences, buckets, settings: settings.to_json() }
+/// What the file says about itself; for another renderer's, what it is to us: as many sequences as buckets.
+fn header_of(read: &ReadStack) -> StackHeader {
+    let buckets = read.stack.samples.dealing.buckets() as u32;
+    let foreign = || StackHeader { first: 0, sequences: buckets, buckets, settings: Value::Null };
+    read.header.clone().unwrap_or_else(foreign)
 }
 
 fn say_what_was_done(progress: &Progress, reconstruction: Option<&Reconstruction>, seconds: f64) {

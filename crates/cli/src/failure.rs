@@ -60,6 +60,7 @@ fn fault(error: &(dyn std::error::Error + 'static)) -> Option<Fault> {
         tracer::scene::SceneError,
         tracer::integrator::TraceError,
         tracer::camera::CameraError,
+        tracer::film::NotAFilm,
         reconstruct::ReconstructError,
         reconstruct::metrics::ComparisonError
     );

@@ -12,6 +12,7 @@ use tracer::scene::{Loaded, load};
 use crate::args::InfoArgs;
 use crate::failure::Verdict;
 use crate::output::ending;
+use crate::stdout::print_line;
 
 /// Runs the command.
 pub fn run(args: &InfoArgs) -> Result<Verdict> {
@@ -19,12 +20,12 @@ pub fn run(args: &InfoArgs) -> Result<Verdict> {
     for file in &args.files {
         let report = describe(file)?;
         if !args.json {
-            print(file, &report);
+            print_line(as_text(file, &report))?;
         }
         reports.push(report);
     }
     if args.json {
-        println!("{}", Value::Array(reports));
+        print_line(Value::Array(reports))?;
     }
     Ok(Verdict::Done)
 }
@@ -90,24 +91,40 @@ fn noise(estimate: &Estimate) -> String {
 }
 
 /// The report as text: a line for each thing that is there.
-fn print(file: &Path, report: &Value) {
-    println!("{}", file.display());
-    let list = |key: &str| report[key].as_array().cloned().unwrap_or_default();
-    let text = |value: &Value| value.as_str().map_or_else(|| value.to_string(), String::from);
-    if report["triangles"].is_number() {
-        println!("  {} triangles, {} dropped, {} emit", report["triangles"], report["dropped"], report["emitters"]);
-        println!("  bounds {} to {}", report["bounds"][0], report["bounds"][1]);
-        println!("  {} materials, sky {}, {} cameras", list("materials").len(), report["sky"], list("cameras").len());
-        list("materials").iter().for_each(|m| println!("    {}: {}", text(&m["name"]), text(&m["surface"])));
-    } else {
-        println!("  {}x{} pixels, samples per pixel {}", report["size"][0], report["size"][1], report["spp"]);
-        for part in ["components", "features"] {
-            for layer in list(part) {
-                println!("  {} {}: noise {}", &part[..part.len() - 1], text(&layer["layer"]), text(&layer["noise"]));
-            }
-        }
-        list("passthrough").iter().for_each(|name| println!("  carried along: {}", text(name)));
-        println!("  settings {}", report["settings"]);
+fn as_text(file: &Path, report: &Value) -> String {
+    let mut lines = vec![file.display().to_string()];
+    lines.extend(if report["triangles"].is_number() { scene_lines(report) } else { stack_lines(report) });
+    lines.extend(list(report, "notes").iter().map(|note| format!("  {}", text(note))));
+    lines.join("\n")
+}
+
+fn scene_lines(report: &Value) -> Vec<String> {
+    let (materials, cameras) = (list(report, "materials"), list(report, "cameras"));
+    let mut lines = vec![
+        format!("  {} triangles, {} dropped, {} emit", report["triangles"], report["dropped"], report["emitters"]),
+        format!("  bounds {} to {}", report["bounds"][0], report["bounds"][1]),
+        format!("  {} materials, sky {}, {} cameras", materials.len(), report["sky"], cameras.len()),
+    ];
+    lines.extend(materials.iter().map(|m| format!("    {}: {}", text(&m["name"]), text(&m["surface"]))));
+    lines
+}
+
+fn stack_lines(report: &Value) -> Vec<String> {
+    let size = &report["size"];
+    let mut lines = vec![format!("  {}x{} pixels, samples per pixel {}", size[0], size[1], report["spp"])];
+    for (part, name) in [("components", "component"), ("features", "feature")] {
+        let layers = list(report, part);
+        lines.extend(layers.iter().map(|l| format!("  {name} {}: noise {}", text(&l["layer"]), text(&l["noise"]))));
     }
-    list("notes").iter().for_each(|note| println!("  {}", text(note)));
+    lines.extend(list(report, "passthrough").iter().map(|name| format!("  carried along: {}", text(name))));
+    lines.push(format!("  settings {}", report["settings"]));
+    lines
+}
+
+fn list(report: &Value, key: &str) -> Vec<Value> {
+    report[key].as_array().cloned().unwrap_or_default()
+}
+
+fn text(value: &Value) -> String {
+    value.as_str().map_or_else(|| value.to_string(), String::from)
 }

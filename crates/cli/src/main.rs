@@ -13,6 +13,7 @@ mod output;
 mod progress;
 mod render;
 mod settings;
+mod stdout;
 
 use std::process::ExitCode;
 

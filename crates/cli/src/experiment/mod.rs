@@ -13,6 +13,7 @@ use clap::ValueEnum;
 use crate::args::ExperimentArgs;
 use crate::failure::{Verdict, usage};
 use crate::progress::Progress;
+use crate::stdout::print_line;
 use crate::{interrupt, render};
 
 /// The experiments there are.
@@ -56,6 +57,6 @@ pub fn run(args: &ExperimentArgs) -> Result<Verdict> {
     let text: String = tables.iter().map(|table| format!("{table}\n")).collect();
     let path = args.output.join(format!("{name}.md"));
     std::fs::write(&path, &text).with_context(|| format!("{}: cannot write", path.display()))?;
-    print!("{text}");
+    print_line(text.trim_end())?;
     Ok(Verdict::Done)
 }

@@ -19,6 +19,7 @@ use crate::failure::Verdict;
 use crate::interrupt;
 use crate::output::{Outputs, Written, ending};
 use crate::progress::Progress;
+use crate::stdout::print_line;
 
 pub use adaptive_loop::{Budget, Finished, Sampling, trace_adaptively};
 pub use plan::Plan;
@@ -62,7 +63,7 @@ pub fn run(args: &RenderArgs, matches: &ArgMatches) -> Result<Verdict> {
     };
     say_what_was_done(&progress, &finished, &written, clock.total);
     if args.report.json {
-        println!("{}", report::render(&outputs, &written, &plan, &finished, &clock, &progress));
+        print_line(report::render(&outputs, &written, &plan, &finished, &clock, &progress))?;
     }
     Ok(if finished.missed_target { Verdict::No } else { Verdict::Done })
 }

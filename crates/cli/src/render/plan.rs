@@ -40,7 +40,7 @@ impl Plan {
     /// # Errors
     /// A value that cannot be read, is out of range, or a crop outside the picture.
     pub fn new(args: &RenderArgs, matches: &ArgMatches, scene: Option<&RawRender>) -> Result<Self> {
-        let mut settings = Settings::of(args.picture.preset);
+        let mut settings = Settings::of(args.picture.preset.unwrap_or_default());
         let wishes = Wishes::read(scene, &mut settings)?;
         settings.override_by(matches)?;
         let size = args.size.map(|s| s.0).or(wishes.size).unwrap_or(SIZE);

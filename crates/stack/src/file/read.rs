@@ -62,7 +62,8 @@ fn read_own(mut layers: Layers, header: StackHeader) -> Result<ReadStack, FileEr
     }
     let mut features = Vec::new();
     for role in FeatureRole::ALL {
-        let buckets = if header.buckets == 1 { 1 } else { 2 };
+        let many = layers.has(&format!("{}.bucket0.{}", role.layer(), role.channels()[0]));
+        let buckets = if many { header.buckets } else { header.buckets.min(2) } as usize;
         if let Some(estimate) = take_estimate(&mut layers, role.layer(), role.channels(), buckets, &samples) {
             features.push(Feature { role, estimate });
         }
@@ -130,10 +131,7 @@ type ForeignFeatures = Vec<(FeatureRole, Image)>;
 
 /// The colour of a foreign file and every feature that goes by a known name.
 fn take_foreign(layers: &mut Layers) -> Result<(Image, ForeignFeatures), FileError> {
-    let prefix = colour_prefix(layers)?;
-    let names = ["R", "G", "B"].map(|c| format!("{prefix}{c}"));
-    let planes = names.iter().filter_map(|name| layers.take(name)).collect();
-    let colour = Image::from_channels(layers.window.size, planes);
+    let colour = take_colour(layers)?;
     let mut features = Vec::new();
     for role in FeatureRole::ALL {
         let names: Vec<&str> = layers.channels.iter().map(|channel| channel.name.as_str()).collect();
@@ -142,6 +140,21 @@ fn take_foreign(layers: &mut Layers) -> Result<(Image, ForeignFeatures), FileErr
         }
     }
     Ok((colour, features))
+}
+
+/// The noisy picture: in a file of ours the sum of its components, since `R G B` is a result there.
+fn take_colour(layers: &mut Layers) -> Result<Image, FileError> {
+    if layers.metadata.is_some() && layers.has("noisy.R") {
+        let mut sum = Image::zeros(layers.window.size, 3);
+        for role in ComponentRole::ALL {
+            take_image(layers, &full_names(role.layer(), &["R", "G", "B"])).iter().for_each(|part| sum.add(part));
+        }
+        return Ok(sum);
+    }
+    let prefix = colour_prefix(layers)?;
+    let names = ["R", "G", "B"].map(|c| format!("{prefix}{c}"));
+    let planes = names.iter().filter_map(|name| layers.take(name)).collect();
+    Ok(Image::from_channels(layers.window.size, planes))
 }
 
 fn list(features: &[Feature]) -> String {
@@ -215,7 +228,18 @@ fn check_independent(paths: &[PathBuf], colours: &[Image]) -> Result<(), FileErr
     Ok(())
 }
 
-fn bucket_stack(layers: Layers, colours: Vec<Image>, features: Vec<(FeatureRole, Vec<Image>)>) -> ReadStack {
+/// Whether a file of ours has the channel `name` for a component or feature.
+fn is_own_input(name: &str) -> bool {
+    let components = ComponentRole::ALL.map(ComponentRole::layer);
+    let mut layers = components.into_iter().chain(FeatureRole::ALL.map(FeatureRole::layer));
+    let own = |rest: &str| [".", "A.", "B.", "Variance."].iter().any(|form| rest.starts_with(form));
+    layers.any(|layer| name.strip_prefix(layer).is_some_and(own))
+}
+
+fn bucket_stack(mut layers: Layers, colours: Vec<Image>, features: Vec<(FeatureRole, Vec<Image>)>) -> ReadStack {
+    if layers.metadata.is_some() {
+        layers.channels.retain(|channel| !is_own_input(&channel.name));
+    }
     let samples = SampleCounts::uniform(layers.window.size.pixels(), vec![1; colours.len()]);
     let features: Vec<Feature> = features
         .into_iter()
