@@ -7,6 +7,7 @@ use exr::prelude::{
     LayerAttributes, LineOrder, ReadChannels, ReadLayers, Text, Vec2, WritableImage,
 };
 
+use super::borrowed::BorrowedSamples;
 use super::{FileError, write_atomically};
 use crate::{Size, Window};
 
@@ -84,23 +85,38 @@ impl Layers {
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn write(self, path: &Path) -> Result<(), FileError> {
-        let size = self.window.size;
-        let mut attributes = LayerAttributes {
-            layer_position: Vec2(self.window.x, self.window.y),
-            software_name: Some(Text::from("tamis")),
-            ..LayerAttributes::default()
-        };
-        if let Some(metadata) = &self.metadata {
-            let text = Text::from(metadata.to_string().as_str());
-            attributes.other.insert(Text::from(METADATA), AttributeValue::Text(text));
-        }
-        let channels = self.channels.into_iter().map(|c| AnyChannel::new(c.name.as_str(), c.samples)).collect();
-        let layer = Layer::new((size.width, size.height), attributes, ENCODING, AnyChannels::sort(channels));
-        let mut image = exr::prelude::Image::from_layer(layer);
-        image.attributes.display_window = IntegerBounds::from_dimensions((self.film.width, self.film.height));
-        write_atomically(path, |out| image.write().to_buffered(out).map_err(|error| understand(path, error)))
+    pub fn write(&self, path: &Path) -> Result<(), FileError> {
+        let channels = self.channels.iter().map(|c| (c.name.clone(), BorrowedSamples::Any(&c.samples))).collect();
+        write_channels(path, self.window, self.film, self.metadata.as_ref(), channels)
     }
+}
+
+/// Writes named channels that cover `window` of `film` as a one-part file, atomically.
+///
+/// # Errors
+/// When the file cannot be written.
+pub(super) fn write_channels(
+    path: &Path,
+    window: Window,
+    film: Size,
+    metadata: Option<&serde_json::Value>,
+    channels: Vec<(String, BorrowedSamples<'_>)>,
+) -> Result<(), FileError> {
+    let mut attributes = LayerAttributes {
+        layer_position: Vec2(window.x, window.y),
+        software_name: Some(Text::from("tamis")),
+        ..LayerAttributes::default()
+    };
+    if let Some(metadata) = metadata {
+        let text = Text::from(metadata.to_string().as_str());
+        attributes.other.insert(Text::from(METADATA), AttributeValue::Text(text));
+    }
+    let channels = channels.into_iter().map(|(name, samples)| AnyChannel::new(name.as_str(), samples)).collect();
+    let size = (window.size.width, window.size.height);
+    let mut image =
+        exr::prelude::Image::from_layer(Layer::new(size, attributes, ENCODING, AnyChannels::sort(channels)));
+    image.attributes.display_window = IntegerBounds::from_dimensions((film.width, film.height));
+    write_atomically(path, |out| image.write().to_buffered(out).map_err(|error| understand(path, error)))
 }
 
 /// Converts samples of any type to `f32` (without a copy when they are).

@@ -10,6 +10,7 @@
 
 mod alias;
 mod atomic;
+mod borrowed;
 mod error;
 mod foreign_emission;
 mod layers;

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use exr::prelude::FlatSamples;
-
-use super::{FileError, Layers, Passthrough, read_pfm, write_pfm};
+use super::borrowed::BorrowedSamples;
+use super::layers::write_channels;
+use super::{FileError, Layers, read_pfm, write_pfm};
 use crate::{Image, Window};
 
 /// Reads the picture in an EXR file (its `R G B`, or the first layer that has them) or a PFM file.
@@ -49,16 +49,8 @@ pub fn write_picture(path: &Path, image: &Image) -> Result<(), FileError> {
         return write_pfm(path, image);
     }
     let channels = ["R", "G", "B"].iter().zip(image.channels());
-    Layers {
-        path: path.into(),
-        window: Window::whole(image.size()),
-        film: image.size(),
-        channels: channels
-            .map(|(name, plane)| Passthrough { name: (*name).into(), samples: FlatSamples::F32(plane.clone()) })
-            .collect(),
-        metadata: None,
-    }
-    .write(path)
+    let channels = channels.map(|(name, plane)| ((*name).to_string(), BorrowedSamples::Float(plane))).collect();
+    write_channels(path, Window::whole(image.size()), image.size(), None, channels)
 }
 
 /// The file's ending in lower case.

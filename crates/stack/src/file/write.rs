@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
-use exr::prelude::FlatSamples;
 use serde::{Deserialize, Serialize};
 
-use super::{FileError, Layers, Passthrough};
+use super::FileError;
+use super::borrowed::BorrowedSamples;
+use super::layers::write_channels;
 use crate::{Estimate, FeatureStack, Image, Noise};
 
 /// What a stack's file says about itself, beside its channels.
@@ -46,29 +47,31 @@ pub fn write_stack(
     let mut channels = Vec::new();
     for layer in results {
         for (channel, plane) in layer.channels.iter().zip(layer.planes) {
-            channels.push(float(full_name(layer.name, channel), plane.clone()));
+            channels.push((full_name(layer.name, channel), BorrowedSamples::Float(plane)));
         }
     }
+    let samples: Vec<f32> = stack.samples.total.iter().map(|&n| n as f32).collect();
     if with_inputs {
         push_inputs(&mut channels, stack);
+        channels.push(("samples.Y".into(), BorrowedSamples::Float(&samples)));
     }
-    channels.extend(stack.passthrough.iter().cloned());
+    channels.extend(stack.passthrough.iter().map(|c| (c.name.clone(), BorrowedSamples::Any(&c.samples))));
     let metadata = serde_json::to_value(header).ok();
-    Layers { path: path.into(), window: stack.window, film: stack.film, channels, metadata }.write(path)
+    write_channels(path, stack.window, stack.film, metadata.as_ref(), channels)
 }
 
-fn push_inputs(channels: &mut Vec<Passthrough>, stack: &FeatureStack) {
+type Channels<'a> = Vec<(String, BorrowedSamples<'a>)>;
+
+fn push_inputs<'a>(channels: &mut Channels<'a>, stack: &'a FeatureStack) {
     for component in &stack.components {
         push_estimate(channels, component.role.layer(), &["R", "G", "B"], &component.radiance);
     }
     for feature in &stack.features {
         push_estimate(channels, feature.role.layer(), feature.role.channels(), &feature.estimate);
     }
-    let samples = stack.samples.total.iter().map(|&n| n as f32).collect();
-    channels.push(float("samples.Y".into(), samples));
 }
 
-fn push_estimate(channels: &mut Vec<Passthrough>, layer: &str, names: &[&str], estimate: &Estimate) {
+fn push_estimate<'a>(channels: &mut Channels<'a>, layer: &str, names: &[&str], estimate: &'a Estimate) {
     push_image(channels, layer, names, &estimate.mean);
     match &estimate.noise {
         Noise::Buckets(buckets) => {
@@ -90,16 +93,12 @@ pub(super) fn bucket_layer(layer: &str, b: usize, of: usize) -> String {
     }
 }
 
-fn push_image(channels: &mut Vec<Passthrough>, layer: &str, names: &[&str], image: &Image) {
+fn push_image<'a>(channels: &mut Channels<'a>, layer: &str, names: &[&str], image: &'a Image) {
     for (name, plane) in names.iter().zip(image.channels()) {
-        channels.push(float(full_name(layer, name), plane.clone()));
+        channels.push((full_name(layer, name), BorrowedSamples::Float(plane)));
     }
 }
 
 fn full_name(layer: &str, channel: &str) -> String {
     if layer.is_empty() { channel.into() } else { format!("{layer}.{channel}") }
-}
-
-fn float(name: String, values: Vec<f32>) -> Passthrough {
-    Passthrough { name, samples: FlatSamples::F32(values) }
 }
