@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Renders one OBJ scene with Tamis and with Mitsuba 3, and tells whether the pictures differ by more than noise.
 
-    pip install mitsuba numpy openexr pillow          (tried with mitsuba 3.9, numpy 2, openexr 3.5, pillow 12)
+    pip install mitsuba numpy openexr pillow          (tried with mitsuba 3.9, numpy 2, openexr 3.5, pillow 13)
     python scripts/compare_with_mitsuba.py SCENE.obj --eye 0,1,5 --look-at 0,1,0 --fov 30 -o DIR
 
 Geometry, materials and camera are read and built here, from the OBJ and MTL files and from what Tamis documents; no
@@ -397,7 +397,7 @@ def render_with_mitsuba(options):
     """One picture per seed: seeds × height × width × 3."""
     with tempfile.TemporaryDirectory() as folder:
         scene = mitsuba_scene(options, folder)
-        pictures = [np.array(mi.render(scene, spp=options.spp, seed=seed)) for seed in range(options.seeds)]
+        pictures = [np.array(mi.render(scene, spp=options.spp, seed=seed)) for seed in seeds_of(options)]
     return np.stack(pictures).astype(np.float64)
 
 
@@ -407,7 +407,8 @@ def render_with_mitsuba(options):
 def render_with_tamis(options):
     """One picture per seed: seeds × height × width × 3."""
     with tempfile.TemporaryDirectory() as folder:
-        return np.stack([tamis_picture(options, seed, os.path.join(folder, "t.exr")) for seed in range(options.seeds)])
+        path = os.path.join(folder, "picture.exr")
+        return np.stack([tamis_picture(options, seed, path) for seed in seeds_of(options)])
 
 
 def tamis_picture(options, seed, path):
@@ -491,6 +492,10 @@ def displayed(picture):
 # --- Command line ----------------------------------------------------------------------------------------------------
 
 
+def seeds_of(options):
+    return range(options.first_seed, options.first_seed + options.seeds)
+
+
 def parse_options():
     def triple(text):
         return [float(v) for v in text.split(",")]
@@ -507,6 +512,7 @@ def parse_options():
     parser.add_argument("--size", type=size, default=[128, 128])
     parser.add_argument("--spp", type=int, default=32, help="of each seed")
     parser.add_argument("--seeds", type=int, default=16)
+    parser.add_argument("--first-seed", type=int, default=0, help="other seeds, another verdict")
     parser.add_argument("--max-depth", type=int, default=8, help="scattering events, as Tamis counts them")
     parser.add_argument("--tolerance", type=float, default=0.01)
     parser.add_argument("--tamis", default="target/debug/tamis")
