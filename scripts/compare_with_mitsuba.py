@@ -18,6 +18,9 @@ bases): `Coat` below is its documented formula, with albedos of its own quadratu
 nothing. Diffuse, mirror and glass are Mitsuba's own. Known to differ: Tamis sees the geometric normal where a viewer
 is below the shading horizon, Mitsuba turns the shading normal round, which shows at silhouettes of coarse meshes; and
 Tamis's coats look albedos up in a table that is right to 0.002. Textures are not supported.
+
+Errors come from few seeds, and caustics' noise has long tails: look at a deviating block again with other seeds
+(`--first-seed`) before believing it.
 """
 
 import argparse
