@@ -1,7 +1,7 @@
 //! What flows between renderer and denoiser.
 //!
 //! A [`FeatureStack`] is the whole state of a picture before reconstruction; a [`SampleMap`] asks the renderer for more
-//! samples. Module [`file`] reads and writes stacks as OpenEXR. This crate knows neither of its users.
+//! samples. Module [`mod@file`] reads and writes stacks as OpenEXR. This crate knows neither of its users.
 //!
 //! Limits: one-part scanline or tiled EXR files with channels of full resolution; deep data is refused.
 
