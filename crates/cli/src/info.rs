@@ -4,14 +4,13 @@ use std::path::Path;
 
 use anyhow::Result;
 use serde_json::{Value, json};
-use stack::file::{ReadStack, read_stack};
+use stack::file::{ReadStack, extension, read_stack};
 use stack::{Estimate, Noise};
 use tracer::material::Surface;
 use tracer::scene::{Loaded, load};
 
 use crate::args::InfoArgs;
 use crate::failure::Verdict;
-use crate::output::ending;
 use crate::stdout::print_line;
 
 /// Runs the command.
@@ -31,7 +30,7 @@ pub fn run(args: &InfoArgs) -> Result<Verdict> {
 }
 
 fn describe(file: &Path) -> Result<Value> {
-    match ending(file).as_str() {
+    match extension(file).as_str() {
         "exr" => Ok(describe_stack(file, &read_stack(file)?)),
         _ => Ok(describe_scene(file, &load(file)?)),
     }

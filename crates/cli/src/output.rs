@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use reconstruct::Reconstruction;
-use stack::file::{ResultLayer, StackHeader, check_writable, write_atomically, write_pfm, write_stack};
+use stack::file::{ResultLayer, StackHeader, check_writable, extension, write_atomically, write_pfm, write_stack};
 use stack::{FeatureStack, Image};
 
 use crate::args::OutputArgs;
@@ -36,7 +36,7 @@ impl Outputs {
             files = ["exr", "png"].map(|ending| PathBuf::from(format!("{stem}.{ending}"))).to_vec();
         }
         for file in &files {
-            if !["exr", "png", "hdr", "pfm"].contains(&ending(file).as_str()) {
+            if !["exr", "png", "hdr", "pfm"].contains(&extension(file).as_str()) {
                 return Err(usage(format!(
                     "{}: expected a name that ends in .exr, .png, .hdr or .pfm",
                     file.display()
@@ -58,7 +58,7 @@ impl Outputs {
     /// When one cannot be written; those before it are complete.
     pub fn write(&self, written: &Written<'_>, progress: &Progress) -> Result<()> {
         for file in &self.files {
-            match ending(file).as_str() {
+            match extension(file).as_str() {
                 "exr" => self.write_exr(file, written)?,
                 "pfm" => write_pfm(file, written.picture)?,
                 "hdr" => write_hdr(file, written.picture)?,
@@ -140,11 +140,6 @@ pub struct Written<'a> {
     pub stack: &'a FeatureStack,
     pub reconstruction: Option<&'a Reconstruction>,
     pub header: &'a StackHeader,
-}
-
-/// The file's ending in lower case.
-pub fn ending(file: &Path) -> String {
-    file.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
 }
 
 fn layers(list: &str) -> Result<Vec<String>> {

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
-use reconstruct::adaptive::{ErrorEstimate, estimated_rmse, sample_map};
+use reconstruct::adaptive::{ErrorEstimate, estimated_rmse, round_budget, sample_map};
 use reconstruct::{ReconstructError, Reconstruction, reconstruct};
 use stack::{FeatureStack, SampleMap};
 use tracer::camera::Camera;
@@ -111,16 +111,15 @@ impl State<'_> {
 
     /// The same number of samples everywhere, in doubling steps when only time or error bound the work.
     fn sample_uniformly(&mut self) -> Result<()> {
-        let first = self.budget.first;
         if let Some(spp) = self.budget.spp {
-            self.trace(&SampleMap::uniform(self.pixels() as usize, first, spp))?;
+            self.trace(&self.film.next_samples(spp))?;
             self.note(None);
             return Ok(());
         }
         let mut done = 0;
         let mut step = self.sampling.settings.rounds.initial_spp;
         while !self.out_of_time(step as f64 / f64::from(done.max(1))) {
-            self.trace(&SampleMap::uniform(self.pixels() as usize, first + done, step))?;
+            self.trace(&self.film.next_samples(step))?;
             done += step;
             step = done;
             let (error, ..) = self.estimate()?;
@@ -135,7 +134,7 @@ impl State<'_> {
     fn sample_adaptively(&mut self) -> Result<()> {
         let knobs = self.sampling.settings.rounds;
         let initial = self.budget.spp.map_or(knobs.initial_spp, |spp| spp.min(knobs.initial_spp));
-        self.trace(&SampleMap::uniform(self.pixels() as usize, 0, initial))?;
+        self.trace(&self.film.next_samples(initial))?;
         let mut round = 0;
         loop {
             let Some(share) = self.share(round) else { return Ok(()) };
@@ -153,9 +152,9 @@ impl State<'_> {
     fn share(&self, round: u32) -> Option<u64> {
         match self.budget.spp {
             Some(spp) => {
-                let left = (u64::from(spp) * self.pixels()).saturating_sub(self.report.samples);
                 let rounds = self.sampling.settings.rounds.iterations.saturating_sub(round);
-                (left > 0 && rounds > 0 && !self.out_of_time(0.0)).then(|| left.div_ceil(u64::from(rounds)))
+                let share = round_budget(u64::from(spp) * self.pixels(), self.report.samples, u64::from(rounds));
+                (share > 0 && rounds > 0 && !self.out_of_time(0.0)).then_some(share)
             }
             None => (!self.out_of_time(1.0)).then_some(self.report.samples),
         }

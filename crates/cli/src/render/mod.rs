@@ -11,13 +11,13 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use clap::ArgMatches;
 use stack::Image;
-use stack::file::StackHeader;
+use stack::file::{StackHeader, extension};
 use tracer::film::Film;
 
 use crate::args::{Method, RenderArgs, ReportArgs};
 use crate::failure::Verdict;
 use crate::interrupt;
-use crate::output::{Outputs, Written, ending};
+use crate::output::{Outputs, Written};
 use crate::progress::Progress;
 use crate::stdout::print_line;
 
@@ -95,7 +95,7 @@ fn header(plan: &Plan) -> StackHeader {
 /// Where an interrupted run leaves what it has: beside the first .exr output, else beside the first output.
 fn partial_path(outputs: &Outputs) -> PathBuf {
     let files = outputs.files();
-    let named = files.iter().find(|file| ending(file) == "exr").or(files.first());
+    let named = files.iter().find(|file| extension(file) == "exr").or(files.first());
     named.map_or_else(|| PathBuf::from("picture.partial.exr"), |file| file.with_extension("partial.exr"))
 }
 

@@ -47,7 +47,7 @@ fn most_per_pixel(budget: u64, pixels: usize, settings: &AdaptiveSettings) -> u3
 /// How many samples the next round may take: the `rounds` that are left share equally what is left of `total` samples
 /// after the `taken` ones.
 pub fn round_budget(total: u64, taken: u64, rounds: u64) -> u64 {
-    total.saturating_sub(taken) / rounds.max(1)
+    total.saturating_sub(taken).div_ceil(rounds.max(1))
 }
 
 /// The relative mean squared error the reconstruction believes to have: mean over pixels of MSE/(α̂² + 0.001), α̂ the

@@ -25,6 +25,6 @@ pub use atomic::{check_writable, write_atomically};
 pub use error::FileError;
 pub use layers::{Layers, Passthrough};
 pub use pfm::{read_pfm, write_pfm};
-pub use picture::{read_picture, write_picture};
+pub use picture::{extension, read_picture, write_picture};
 pub use read::{ReadStack, read_buckets, read_stack};
 pub use write::{ResultLayer, StackHeader, write_stack};

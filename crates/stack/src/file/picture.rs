@@ -53,8 +53,8 @@ pub fn write_picture(path: &Path, image: &Image) -> Result<(), FileError> {
     write_channels(path, Window::whole(image.size()), image.size(), None, channels)
 }
 
-/// The file's ending in lower case.
-pub(super) fn extension(path: &Path) -> String {
+/// The file's ending in lower case, without its dot; empty when there is none.
+pub fn extension(path: &Path) -> String {
     path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
 }
 

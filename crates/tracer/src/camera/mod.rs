@@ -1,7 +1,6 @@
 //! From film to rays: pinhole and thin lens.
 
 mod description;
-mod lens;
 
 use glam::{Vec2, Vec3};
 use stack::Size;
@@ -9,6 +8,7 @@ use stack::Size;
 pub use description::{CameraDescription, CameraError};
 
 use crate::Ray;
+use crate::sampler::warp::sample_disc;
 
 /// A camera with its film. A lens radius of zero makes it a pinhole.
 ///
@@ -42,7 +42,7 @@ impl Camera {
         let half_height = (0.5 * self.fov.to_radians()).tan();
         let plane = (2.0 * film - size) * (half_height / size.y);
         let through = plane.x * right - plane.y * up + forward;
-        let on_lens = self.lens_radius * lens::concentric_disk(lens);
+        let on_lens = self.lens_radius * sample_disc(lens);
         let offset = on_lens.x * right + on_lens.y * up;
         let direction = if self.lens_radius > 0.0 { self.focus_distance * through - offset } else { through };
         let time = self.shutter[0] + time * (self.shutter[1] - self.shutter[0]);

@@ -98,4 +98,26 @@ mod tests {
             assert!((mean(|u| sample_triangle(u)[corner].powi(2)) - 1.0 / 6.0).abs() < 1e-4);
         }
     }
+
+    #[test]
+    fn a_grid_on_the_square_has_the_moments_of_a_uniform_disk() {
+        let n = 200;
+        let (mut mean, mut square, mut fourth) = (Vec2::ZERO, Vec2::ZERO, 0.0f32);
+        for k in 0..n * n {
+            let cell = Vec2::new((k % n) as f32 + 0.5, (k / n) as f32 + 0.5) / n as f32;
+            let p = sample_disc(cell);
+            assert!(p.length() <= 1.0 + 1e-6);
+            mean += p / (n * n) as f32;
+            square += p * p / (n * n) as f32;
+            fourth += p.length_squared().powi(2) / (n * n) as f32;
+        }
+        // Over the uniform unit disk E x² = E y² = 1/4 and E r⁴ = 1/3.
+        assert!(mean.length() < 1e-4 && (square - Vec2::splat(0.25)).length() < 1e-3);
+        assert!((fourth - 1.0 / 3.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn the_middle_of_the_square_is_the_centre_of_the_lens() {
+        assert_eq!(sample_disc(Vec2::splat(0.5)), Vec2::ZERO);
+    }
 }

@@ -4,6 +4,8 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use stack::file::extension;
+
 use super::description::{RawRender, SceneDescription, read_description};
 use super::notes::Notes;
 use super::obj::read_obj;
@@ -44,10 +46,6 @@ pub fn load(path: &Path) -> Result<Loaded, SceneError> {
         _ if !path.exists() => Err(SceneError::Missing { path: path.into() }),
         _ => Err(SceneError::UnknownFormat { path: path.into() }),
     }
-}
-
-fn extension(path: &Path) -> String {
-    path.extension().map_or(String::new(), |e| e.to_string_lossy().to_lowercase())
 }
 
 fn load_obj(path: &Path) -> Result<Loaded, SceneError> {
