@@ -71,6 +71,8 @@ pub enum Preset {
     /// The paper to the letter.
     #[default]
     Paper,
+    /// Two passes of collaborative regression.
+    Best,
 }
 
 /// How the picture is reconstructed.

@@ -15,6 +15,8 @@ stack::knob_choice! {
     pub enum Fit {
         /// The paper's: spikes replaced, features propagated and reduced, one local linear fit at every pixel.
         Local = "local",
+        /// Two passes of collaborative fits on all features, light split into a low layer and events.
+        Collaborative = "collaborative",
     }
 }
 
@@ -23,7 +25,8 @@ stack::knobs! {
     pub struct MethodSettings("") {
         /// Reconstruction method: ours, or one to compare it with.
         method: Method = Method::Ours, ..;
-        /// How ours rebuilds: local is the paper's regression at every pixel.
+        /// How ours rebuilds: local is the paper's regression at every pixel, collaborative two passes of fits that
+        /// predict their whole window.
         fit: Fit = Fit::Local, ..;
     }
 }

@@ -3,10 +3,10 @@
 use stack::{Cancelled, Component, ComponentRole, Fault, FeatureStack, Image, Monitor};
 
 use crate::emission::rebuild_emission;
-use crate::method::Method;
+use crate::method::{Fit, Method};
 use crate::prefilter::{FeatureSet, PrefilterError, prefilter};
 use crate::variance::known_everywhere;
-use crate::{Settings, paper};
+use crate::{Settings, best, paper};
 
 /// A reconstructed picture and what is known about it, one value per pixel and plane. What a method does not have is
 /// `None`.
@@ -61,6 +61,15 @@ pub enum ReconstructError {
         /// Layer of the component.
         layer: &'static str,
     },
+    /// The method needs independent parts of the picture.
+    #[error(
+        "the noise of layer '{layer}' does not come in buckets or half-buffers, which this method needs: choose \
+         --preset paper, or give several renders with --buckets"
+    )]
+    NoBuckets {
+        /// Layer of the component.
+        layer: &'static str,
+    },
     /// The features cannot be used.
     #[error(transparent)]
     Prefilter(#[from] PrefilterError),
@@ -71,7 +80,7 @@ impl ReconstructError {
     pub fn fault(&self) -> Fault {
         match self {
             Self::Cancelled(_) => Fault::Interrupted,
-            Self::NoiseUnknown { .. } => Fault::Input,
+            Self::NoiseUnknown { .. } | Self::NoBuckets { .. } => Fault::Input,
             Self::Prefilter(error) => error.fault(),
         }
     }
@@ -88,9 +97,25 @@ pub fn reconstruct(
 ) -> Result<Reconstruction, ReconstructError> {
     match settings.method.method {
         Method::Ld => sum_of_components(stack, |component| unfiltered(stack, component)),
-        Method::Ours => {
+        Method::Ours => ours(stack, settings, monitor),
+    }
+}
+
+fn ours(stack: &FeatureStack, settings: &Settings, monitor: &dyn Monitor) -> Result<Reconstruction, ReconstructError> {
+    match settings.method.fit {
+        Fit::Local => {
             let features = prefilter(stack, &settings.prefilter, monitor)?;
             sum_of_components(stack, |component| rebuilt(stack, component, &features, settings, monitor))
+        }
+        Fit::Collaborative => {
+            let features = best::guide_features(stack, &settings.best.features, monitor)?;
+            sum_of_components(stack, |component| match component.role {
+                ComponentRole::Scattered => best::rebuild(stack, component, &features, &settings.best, monitor),
+                ComponentRole::Emission => {
+                    let (radiance, variance) = (&component.radiance.mean, variance_of(stack, component)?);
+                    Ok(rebuild_emission(radiance, &variance, &features.set, settings, monitor)?)
+                }
+            })
         }
     }
 }

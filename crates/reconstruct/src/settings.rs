@@ -1,5 +1,6 @@
 //! Every setting of the reconstruction.
 
+use crate::best::BestSettings;
 use crate::method::MethodSettings;
 use crate::prefilter::PrefilterSettings;
 use crate::regression::RegressionSettings;
@@ -16,5 +17,7 @@ stack::knob_groups! {
         prefilter: PrefilterSettings,
         /// How pixels are rebuilt.
         regression: RegressionSettings,
+        /// How the collaborative fit rebuilds.
+        best: BestSettings,
     }
 }
