@@ -58,12 +58,34 @@ fn compare_measures_and_judges() {
     let image = |i: usize, key: &str| report["images"][i][key].clone();
     assert!(image(0, "rmse").as_f64() > Some(0.0) && image(1, "rmse").as_f64() == Some(0.0));
     assert!(image(0, "rmse_cross").as_f64().unwrap() > image(1, "rmse_cross").as_f64().unwrap());
-    assert_eq!((image(0, "flip"), image(0, "flip_hdr")), (Value::Null, Value::Null));
+    for flip in ["flip", "flip_hdr"] {
+        assert!((0.001..1.0).contains(&image(0, flip).as_f64().unwrap()));
+        assert_eq!(image(1, flip).as_f64(), Some(0.0));
+    }
     assert_eq!(image(0, "nan_pixels").as_u64(), Some(0));
     assert_eq!(workplace.tamis("compare ref1.exr noisy.exr --max-rmse 1e-9").code(), Some(1));
-    assert_eq!(workplace.tamis("compare ref1.exr noisy.exr --max-rmse 1e9").code(), Some(0));
+    assert_eq!(workplace.tamis("compare ref1.exr noisy.exr --max-rmse 1e9 --max-flip 1").code(), Some(0));
+    assert_eq!(workplace.tamis("compare ref1.exr noisy.exr --max-flip 0.001").code(), Some(1));
     workplace.must("render box.obj --size 16x32 --spp 1 --no-denoise -o small.exr --quiet");
     let run = workplace.tamis("compare ref1.exr small.exr");
+    assert_eq!((run.code(), run.errors().len()), (Some(2), 1));
+}
+
+#[test]
+fn compare_leaves_out_what_the_mask_does() {
+    let workplace = Workplace::new();
+    workplace.must("render box.obj --size 16x16 --spp 4 --uniform --no-denoise -o a.exr --quiet");
+    workplace.must("render box.obj --size 16x16 --spp 4 --seed 1 --uniform --no-denoise -o b.exr --quiet");
+    let mask: Vec<u8> = (0..256).flat_map(|i| [u8::from(i % 3 == 0) * 255; 3]).collect();
+    let mut pfm = b"PF\n16 16\n-1.0\n".to_vec();
+    pfm.extend(mask.iter().flat_map(|v| f32::from(*v).to_le_bytes()));
+    std::fs::write(workplace.path("some.pfm"), pfm).unwrap();
+    let rmse = |more: &str| {
+        let report = json(&workplace.must(&format!("compare a.exr b.exr --json {more}")).stdout());
+        report["images"][0]["rmse"].as_f64().unwrap()
+    };
+    assert!((rmse("--mask some.pfm") - rmse("")).abs() > 1e-6);
+    let run = workplace.tamis("compare a.exr b.exr --mask absent.png");
     assert_eq!((run.code(), run.errors().len()), (Some(2), 1));
 }
 
