@@ -94,8 +94,12 @@ fn stages(criterion: &mut Criterion) {
 /// Where the next samples go.
 fn distribution(group: &mut BenchmarkGroup<'_, WallTime>, stack: &FeatureStack) {
     let result = reconstruct(stack, &Settings::default(), &Silent).expect("a stack of our own");
-    let estimate =
-        ErrorEstimate { mse: &result.mse, picture: &result.picture, rank: &result.rank, counts: &stack.samples };
+    let estimate = ErrorEstimate {
+        mse: &result.mse,
+        picture: &result.picture,
+        rank: result.rank.as_deref(),
+        counts: &stack.samples,
+    };
     let budget = 8 * SIZE.pixels() as u64;
     group.bench_function("sample map", |bencher| {
         bencher.iter(|| sample_map(&estimate, budget, &AdaptiveSettings::DEFAULT));

@@ -64,29 +64,19 @@ pub struct OutputArgs {
     pub exposure: Option<f32>,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+/// Settings to start from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Preset {
     /// The paper to the letter.
     #[default]
     Paper,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum Method {
-    /// Robust PCA, propagation filter and local linear regression.
-    #[default]
-    Ours,
-    /// No reconstruction: the mean of the samples.
-    Ld,
-}
-
 /// How the picture is reconstructed.
 #[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "Picture")]
 pub struct PictureArgs {
-    /// Reconstruction method.
-    #[arg(long, value_enum, default_value_t)]
-    pub method: Method,
     /// Settings to start from; single flags override it [default: paper, or what the stack was made with].
     #[arg(long, value_enum)]
     pub preset: Option<Preset>,

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use stack::file::{ReadStack, StackHeader, read_buckets, read_stack};
 use stack::{FeatureRole, FeatureStack};
 
-use crate::args::{DenoiseArgs, Method};
+use crate::args::DenoiseArgs;
 use crate::failure::{Verdict, usage};
 use crate::output::{Outputs, Written};
 use crate::progress::Progress;
@@ -34,20 +34,16 @@ pub fn run(args: &DenoiseArgs, matches: &ArgMatches) -> Result<Verdict> {
     let loaded = start.elapsed().as_secs_f64();
     require(args, &read.stack)?;
     let settings = resolve(args, matches, read.header.as_ref())?;
-    let reconstruction = match args.picture.method {
-        Method::Ours => Some(reconstruct(&read.stack, &settings.reconstruction, &progress)?),
-        Method::Ld => None,
-    };
+    let reconstruction = reconstruct(&read.stack, &settings.reconstruction, &progress)?;
     progress.finish();
-    let beauty = read.stack.beauty();
-    let picture = reconstruction.as_ref().map_or(&beauty, |r| &r.picture);
+    let picture = &reconstruction.picture;
     let header = StackHeader { settings: settings.to_json(), ..header_of(&read) };
-    let written = Written { picture, stack: &read.stack, reconstruction: reconstruction.as_ref(), header: &header };
+    let written = Written { picture, stack: &read.stack, reconstruction: Some(&reconstruction), header: &header };
     let writing = Instant::now();
     outputs.write(&written, &progress)?;
     let seconds =
         [("load", loaded), ("write", writing.elapsed().as_secs_f64()), ("total", start.elapsed().as_secs_f64())];
-    say_what_was_done(&progress, reconstruction.as_ref(), seconds[2].1);
+    say_what_was_done(&progress, &reconstruction, seconds[2].1);
     if args.report.json {
         let outcome = Outcome { outputs: &outputs, written: &written, settings: &settings, seconds: &seconds };
         print_line(outcome.json(&progress))?;
@@ -94,8 +90,8 @@ fn header_of(read: &ReadStack) -> StackHeader {
     read.header.clone().unwrap_or_else(foreign)
 }
 
-fn say_what_was_done(progress: &Progress, reconstruction: Option<&Reconstruction>, seconds: f64) {
-    if let Some(reconstruction) = reconstruction {
+fn say_what_was_done(progress: &Progress, reconstruction: &Reconstruction, seconds: f64) {
+    if reconstruction.spikes.is_some() {
         progress.say(&format!("{} pixels marked as spikes", reconstruction.marked));
     }
     let stages: Vec<String> = progress.stage_seconds().iter().map(|(name, s)| format!("{name} {s:.1} s")).collect();

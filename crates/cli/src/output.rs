@@ -71,25 +71,19 @@ impl Outputs {
     fn write_exr(&self, file: &Path, written: &Written<'_>) -> Result<()> {
         let wants = |layer: &str| self.layers.iter().any(|l| l == layer);
         let samples: Vec<Vec<f32>> = vec![written.stack.samples.total.iter().map(|&n| n as f32).collect()];
-        let single = |plane: &[f32]| vec![plane.to_vec()];
-        let maps = written.reconstruction.map(|r| (single(&r.mse), single(&r.bandwidth), single(&r.rank)));
+        let maps = written.reconstruction.map_or_else(Vec::new, maps_of);
         let mut results =
             vec![ResultLayer { name: "", channels: &["R", "G", "B"], planes: written.picture.channels() }];
         let with_inputs = wants("inputs");
         if wants("samples") && !with_inputs {
             results.push(ResultLayer { name: "samples", channels: &["Y"], planes: &samples });
         }
-        if let (Some((mse, bandwidth, rank)), Some(reconstruction)) = (&maps, written.reconstruction) {
-            let spikes = reconstruction.spikes.channels();
-            let rgb: &[&str] = &["R", "G", "B"];
-            let layer = |name, channels, planes| ResultLayer { name, channels, planes };
-            let layers = [
-                layer("mse", &["Y"], &mse[..]),
-                layer("bandwidth", &["Y"], bandwidth),
-                layer("rank", &["Y"], rank),
-                layer("spikes", rgb, spikes),
-            ];
-            results.extend(layers.into_iter().filter(|layer| wants(layer.name)));
+        for (name, planes) in maps.iter().filter(|(name, _)| wants(name)) {
+            results.push(ResultLayer {
+                name,
+                channels: if planes.len() == 1 { &["Y"] } else { &["R", "G", "B"] },
+                planes,
+            });
         }
         Ok(write_stack(file, written.stack, with_inputs, written.header, &results)?)
     }
@@ -111,6 +105,18 @@ impl Outputs {
         let with_inputs = Self { layers: vec!["inputs".into()], ..self.clone() };
         with_inputs.write_exr(file, written)
     }
+}
+
+/// The layers a reconstruction adds to its picture, as far as its method has them.
+fn maps_of(reconstruction: &Reconstruction) -> Vec<(&'static str, Vec<Vec<f32>>)> {
+    let single = |plane: &Vec<f32>| vec![plane.clone()];
+    let maps = [
+        ("mse", Some(single(&reconstruction.mse))),
+        ("bandwidth", reconstruction.bandwidth.as_ref().map(single)),
+        ("rank", reconstruction.rank.as_ref().map(single)),
+        ("spikes", reconstruction.spikes.as_ref().map(|spikes| spikes.channels().to_vec())),
+    ];
+    maps.into_iter().filter_map(|(name, planes)| Some((name, planes?))).collect()
 }
 
 /// Writes an 8-bit sRGB picture, lifted by `stops`.

@@ -5,8 +5,11 @@
 
 pub mod adaptive;
 pub mod box_filter;
+mod emission;
 pub mod exp;
+mod method;
 pub mod metrics;
+mod paper;
 mod pipeline;
 pub mod prefilter;
 pub mod regression;
@@ -16,5 +19,6 @@ pub mod spikes;
 mod test_noise;
 pub mod variance;
 
+pub use method::{Fit, Method, MethodSettings};
 pub use pipeline::{ReconstructError, Reconstruction, reconstruct};
 pub use settings::Settings;

@@ -1,29 +1,49 @@
-//! The stages in a row: spikes, prefilter, regression, for each component of the picture.
+//! A picture rebuilt from its stack: every component by the method that was asked for, then their sum.
 
 use stack::{Cancelled, Component, ComponentRole, Fault, FeatureStack, Image, Monitor};
 
-use crate::Settings;
-use crate::box_filter::box_mean;
+use crate::emission::rebuild_emission;
+use crate::method::Method;
 use crate::prefilter::{FeatureSet, PrefilterError, prefilter};
-use crate::regression::{Regression, RegressionInput, regress};
-use crate::spikes::{SpikeFree, remove_spikes};
 use crate::variance::known_everywhere;
+use crate::{Settings, paper};
 
-/// A reconstructed picture and what is known about it, one value per pixel and plane.
+/// A reconstructed picture and what is known about it, one value per pixel and plane. What a method does not have is
+/// `None`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reconstruction {
     /// The picture: three channels of linear radiance.
     pub picture: Image,
-    /// Estimated mean squared error of the picture, mean over RGB (eq. 7), summed over components.
+    /// Estimated mean squared error of the picture, mean over RGB, summed over components.
     pub mse: Vec<f32>,
-    /// What was taken out as spikes: noisy minus cleaned, three channels.
-    pub spikes: Image,
+    /// What was taken for spikes: noisy minus cleaned, three channels.
+    pub spikes: Option<Image>,
     /// How many pixels were marked as spikes.
     pub marked: usize,
     /// Shared bandwidth h of the scattered light (eq. 14).
-    pub bandwidth: Vec<f32>,
+    pub bandwidth: Option<Vec<f32>>,
     /// Rank k of its reduced feature space (eq. 12).
-    pub rank: Vec<f32>,
+    pub rank: Option<Vec<f32>>,
+}
+
+impl Reconstruction {
+    /// `picture`, of which nothing more is known and no error.
+    pub fn plain(picture: Image) -> Self {
+        let mse = vec![0.0; picture.pixels()];
+        Self { picture, mse, spikes: None, marked: 0, bandwidth: None, rank: None }
+    }
+
+    /// Adds a component; what there is of maps comes from whichever component has it.
+    fn add(&mut self, other: Self) {
+        self.picture.add(&other.picture);
+        for (total, mse) in self.mse.iter_mut().zip(&other.mse) {
+            *total += mse;
+        }
+        self.marked += other.marked;
+        self.spikes = self.spikes.take().or(other.spikes);
+        self.bandwidth = self.bandwidth.take().or(other.bandwidth);
+        self.rank = self.rank.take().or(other.rank);
+    }
 }
 
 /// Why a stack could not be reconstructed.
@@ -66,96 +86,57 @@ pub fn reconstruct(
     settings: &Settings,
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
-    let features = prefilter(stack, &settings.prefilter, monitor)?;
-    let mut sum = empty(stack);
-    for component in &stack.components {
-        let dark = component.radiance.mean.channels().iter().all(|plane| plane.iter().all(|v| *v == 0.0));
-        if !dark {
-            add_component(&mut sum, stack, component, &features, settings, monitor)?;
+    match settings.method.method {
+        Method::Ld => sum_of_components(stack, |component| unfiltered(stack, component)),
+        Method::Ours => {
+            let features = prefilter(stack, &settings.prefilter, monitor)?;
+            sum_of_components(stack, |component| rebuilt(stack, component, &features, settings, monitor))
         }
+    }
+}
+
+/// What `rebuild` makes of every component that is not black, added up.
+fn sum_of_components(
+    stack: &FeatureStack,
+    rebuild: impl Fn(&Component) -> Result<Reconstruction, ReconstructError>,
+) -> Result<Reconstruction, ReconstructError> {
+    let mut sum = Reconstruction::plain(Image::zeros(stack.size(), 3));
+    for component in stack.components.iter().filter(|component| is_lit(component)) {
+        sum.add(rebuild(component)?);
     }
     Ok(sum)
 }
 
-fn empty(stack: &FeatureStack) -> Reconstruction {
-    let (size, pixels) = (stack.size(), stack.size().pixels());
-    Reconstruction {
-        picture: Image::zeros(size, 3),
-        mse: vec![0.0; pixels],
-        spikes: Image::zeros(size, 3),
-        marked: 0,
-        bandwidth: vec![0.0; pixels],
-        rank: vec![0.0; pixels],
-    }
+fn is_lit(component: &Component) -> bool {
+    component.radiance.mean.channels().iter().any(|plane| plane.iter().any(|v| *v != 0.0))
 }
 
-fn add_component(
-    sum: &mut Reconstruction,
+/// Variance of the mean of `component`, known everywhere.
+fn variance_of(stack: &FeatureStack, component: &Component) -> Result<Image, ReconstructError> {
+    let variance = component
+        .radiance
+        .variance_of_mean(&stack.samples)
+        .ok_or(ReconstructError::NoiseUnknown { layer: component.role.layer() })?;
+    Ok(known_everywhere(variance, &component.radiance.mean))
+}
+
+/// The mean of the samples, with its variance as error.
+fn unfiltered(stack: &FeatureStack, component: &Component) -> Result<Reconstruction, ReconstructError> {
+    let variance = variance_of(stack, component)?;
+    let mse = (0..variance.pixels()).map(|pixel| variance.mean_at(pixel)).collect();
+    Ok(Reconstruction { mse, ..Reconstruction::plain(component.radiance.mean.clone()) })
+}
+
+fn rebuilt(
     stack: &FeatureStack,
     component: &Component,
     features: &FeatureSet,
     settings: &Settings,
     monitor: &dyn Monitor,
-) -> Result<(), ReconstructError> {
-    let variance = component
-        .radiance
-        .variance_of_mean(&stack.samples)
-        .ok_or(ReconstructError::NoiseUnknown { layer: component.role.layer() })?;
-    let variance = known_everywhere(variance, &component.radiance.mean);
-    match component.role {
-        ComponentRole::Scattered => {
-            let cleaned = remove_spikes(&component.radiance.mean, &variance, &settings.spikes, monitor)?;
-            let SpikeFree { colour, variance, spikes, marked } = cleaned;
-            let input = RegressionInput { colour: &colour, variance: &variance, features, active: None };
-            let regression = regress(&input, &settings.regression, monitor)?;
-            sum.spikes = spikes;
-            sum.marked = marked.iter().filter(|marked| **marked).count();
-            add(sum, &regression);
-            (sum.bandwidth, sum.rank) = (regression.bandwidth, regression.rank);
-        }
-        ComponentRole::Emission => {
-            let colour = &component.radiance.mean;
-            add(sum, &rebuild_emission(colour, &variance, features, settings, monitor)?);
-        }
-    }
-    Ok(())
-}
-
-fn add(sum: &mut Reconstruction, regression: &Regression) {
-    sum.picture.add(&regression.picture);
-    for (total, mse) in sum.mse.iter_mut().zip(&regression.mse) {
-        *total += mse;
-    }
-}
-
-/// Rebuilds directly seen emission. A lamp is no spike, and where every bucket sees the same of it there is nothing to
-/// rebuild. No feature tells what a lamp or background looks like, so the regression is believed only as far as it stays
-/// within the noise: with variance v of the noisy value y and a fit x, the result is y + w (x − y), w = v / max(v, (x − y)²)
-/// over 3×3 pixels.
-fn rebuild_emission(
-    colour: &Image,
-    variance: &Image,
-    features: &FeatureSet,
-    settings: &Settings,
-    monitor: &dyn Monitor,
-) -> Result<Regression, Cancelled> {
-    let (size, pixels) = (colour.size(), colour.pixels());
-    let noise: Vec<f32> = (0..pixels).map(|pixel| variance.mean_at(pixel)).collect();
-    let noisy: Vec<bool> = noise.iter().map(|v| *v > 0.0).collect();
-    let input = RegressionInput { colour, variance, features, active: Some(&noisy) };
-    let mut fit = regress(&input, &settings.regression, monitor)?;
-    let change = |pixel: usize| {
-        let (x, y) = (fit.picture.rgb(pixel), colour.rgb(pixel));
-        (0..3).map(|c| (x[c] - y[c]).powi(2)).sum::<f32>() / 3.0
-    };
-    let change = box_mean(&(0..pixels).map(change).collect::<Vec<_>>(), size, 1);
-    let noise = box_mean(&noise, size, 1);
-    for pixel in (0..pixels).filter(|pixel| noisy[*pixel]) {
-        let weight = noise[pixel] / noise[pixel].max(change[pixel]);
-        for (x, y) in fit.picture.channels_mut().iter_mut().zip(colour.channels()) {
-            x[pixel] = y[pixel] + weight * (x[pixel] - y[pixel]);
-        }
-        fit.mse[pixel] = weight * fit.mse[pixel] + (1.0 - weight) * noise[pixel];
-    }
-    Ok(fit)
+) -> Result<Reconstruction, ReconstructError> {
+    let (radiance, variance) = (&component.radiance.mean, variance_of(stack, component)?);
+    Ok(match component.role {
+        ComponentRole::Scattered => paper::rebuild(radiance, &variance, features, settings, monitor)?,
+        ComponentRole::Emission => rebuild_emission(radiance, &variance, features, settings, monitor)?,
+    })
 }

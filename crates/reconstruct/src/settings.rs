@@ -1,5 +1,6 @@
 //! Every setting of the reconstruction.
 
+use crate::method::MethodSettings;
 use crate::prefilter::PrefilterSettings;
 use crate::regression::RegressionSettings;
 use crate::spikes::SpikeSettings;
@@ -7,6 +8,8 @@ use crate::spikes::SpikeSettings;
 stack::knob_groups! {
     /// Settings of all stages. The default is the paper's method as `docs/method.md` settles it.
     pub struct Settings {
+        /// Which method is used.
+        method: MethodSettings,
         /// How spikes are found and replaced.
         spikes: SpikeSettings,
         /// How features are freed of noise.

@@ -62,7 +62,7 @@ pub fn run(args: &ExperimentArgs, progress: &Progress) -> Result<Vec<Table>> {
             let outcome = reconstruct(&case.stack, &settings.reconstruction, progress)?;
             row.push(cell(&case.judge(&outcome.picture)));
             if flags.is_empty() {
-                histograms.push(histogram(case, &outcome));
+                histograms.extend(histogram(case, &outcome));
             }
         }
         table.rows.push(row);
@@ -100,21 +100,22 @@ fn cell(c: &Comparison) -> String {
 }
 
 /// Shares of pixels per rank, and deciles of the bandwidth.
-fn histogram(case: &Case, outcome: &Reconstruction) -> Table {
+fn histogram(case: &Case, outcome: &Reconstruction) -> Option<Table> {
+    let (rank, bandwidth) = (outcome.rank.as_ref()?, outcome.bandwidth.as_ref()?);
     let mut table =
         Table::new(format!("{}: rank k and bandwidth h", case.name), &["", "", "", "", "", "", "", "", "", "", ""]);
-    let pixels = outcome.rank.len() as f64;
+    let pixels = rank.len() as f64;
     table.head[0] = "k".into();
     let mut shares = vec!["share".to_string()];
     for k in 1..=10 {
         table.head[k] = k.to_string();
-        let share = outcome.rank.iter().filter(|rank| **rank == k as f32).count() as f64 / pixels;
+        let share = rank.iter().filter(|rank| **rank == k as f32).count() as f64 / pixels;
         shares.push(format!("{:.1} %", 100.0 * share));
     }
     table.rows.push(shares);
-    let mut sorted = outcome.bandwidth.clone();
+    let mut sorted = bandwidth.clone();
     sorted.sort_by(f32::total_cmp);
     let decile = |i: usize| format!("{:.3}", sorted[(sorted.len() - 1) * i / 9]);
     table.rows.push(std::iter::once("deciles of h".to_string()).chain((0..10).map(decile)).collect());
-    table
+    Some(table)
 }

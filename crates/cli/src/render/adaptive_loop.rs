@@ -200,7 +200,7 @@ impl State<'_> {
         let estimate = ErrorEstimate {
             mse: &reconstruction.mse,
             picture: &reconstruction.picture,
-            rank: &reconstruction.rank,
+            rank: reconstruction.rank.as_deref(),
             counts: &stack.samples,
         };
         let map = sample_map(&estimate, share, &self.sampling.settings.sampling);

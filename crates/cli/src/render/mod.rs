@@ -14,7 +14,7 @@ use stack::Image;
 use stack::file::{StackHeader, extension};
 use tracer::film::Film;
 
-use crate::args::{Method, RenderArgs, ReportArgs};
+use crate::args::{RenderArgs, ReportArgs};
 use crate::failure::Verdict;
 use crate::interrupt;
 use crate::output::{Outputs, Written};
@@ -133,12 +133,5 @@ impl Finished {
     /// The picture to show: reconstructed, or as it was sampled.
     pub fn picture(&self) -> Image {
         self.reconstruction.as_ref().map_or_else(|| self.stack.beauty(), |r| r.picture.clone())
-    }
-}
-
-impl Plan {
-    /// Whether the picture is reconstructed at all.
-    fn wants_reconstruction(args: &RenderArgs) -> bool {
-        !args.no_denoise && args.picture.method != Method::Ld
     }
 }

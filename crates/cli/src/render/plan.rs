@@ -8,7 +8,7 @@ use stack::{Knobs, Size, Window};
 use tracer::scene::{RawRender, nearest_name};
 
 use super::adaptive_loop::Budget;
-use crate::args::RenderArgs;
+use crate::args::{Preset, RenderArgs};
 use crate::failure::usage;
 use crate::options::PictureSize;
 use crate::settings::Settings;
@@ -30,6 +30,8 @@ pub struct Plan {
     pub budget: Budget,
     /// Whether to reconstruct.
     pub reconstruct: bool,
+    /// Where the settings started.
+    pub preset: Preset,
     /// Everything else.
     pub settings: Settings,
 }
@@ -40,7 +42,8 @@ impl Plan {
     /// # Errors
     /// A value that cannot be read, is out of range, or a crop outside the picture.
     pub fn new(args: &RenderArgs, matches: &ArgMatches, scene: Option<&RawRender>) -> Result<Self> {
-        let mut settings = Settings::of(args.picture.preset.unwrap_or_default());
+        let preset = args.picture.preset.unwrap_or_default();
+        let mut settings = Settings::of(preset);
         let wishes = Wishes::read(scene, &mut settings)?;
         settings.override_by(matches)?;
         let size = args.size.map(|s| s.0).or(wishes.size).unwrap_or(SIZE);
@@ -49,7 +52,7 @@ impl Plan {
             None => Window::whole(size),
         };
         let budget = budget(args, wishes.spp)?;
-        Ok(Self { size, window, budget, reconstruct: Self::wants_reconstruction(args), settings })
+        Ok(Self { size, window, budget, reconstruct: !args.no_denoise, preset, settings })
     }
 }
 

@@ -52,7 +52,7 @@ pub fn render(
         "iterations": iterations,
         "peak_bytes": peak_bytes(),
         "seed": plan.settings.trace.seed,
-        "preset": "paper",
+        "preset": plan.preset,
         "settings": plan.settings.to_json(),
     })
 }

@@ -10,8 +10,8 @@ pub struct ErrorEstimate<'a> {
     pub mse: &'a [f32],
     /// The reconstruction α̂, three channels.
     pub picture: &'a Image,
-    /// Rank k of the reduced feature space, one value per pixel.
-    pub rank: &'a [f32],
+    /// Rank k of the reduced feature space, one value per pixel; `None` where the error falls as 1/n.
+    pub rank: Option<&'a [f32]>,
     /// Samples taken so far.
     pub counts: &'a SampleCounts,
 }
@@ -27,7 +27,8 @@ pub fn relative_error(mse: &[f32], picture: &Image, epsilon: f32, index: usize) 
 pub fn expected_reduction(estimate: &ErrorEstimate, epsilon: f32) -> Vec<f64> {
     let reduction = |i: usize| {
         let n = f64::from(estimate.counts.total[i].max(1));
-        let exponent = -4.0 / (f64::from(estimate.rank[i].max(0.0)) + 4.0);
+        let rank = estimate.rank.map_or(0.0, |rank| f64::from(rank[i].max(0.0)));
+        let exponent = -4.0 / (rank + 4.0);
         relative_error(estimate.mse, estimate.picture, epsilon, i) * n.powf(exponent)
     };
     let mut reductions: Vec<f64> = (0..estimate.mse.len()).into_par_iter().map(reduction).collect();
@@ -87,13 +88,17 @@ mod tests {
         let picture = Image::from_channels(Size::new(3, 1), vec![vec![2.0, 0.0, 1.0]; 3]);
         let mut counts = SampleCounts::uniform(3, vec![16]);
         counts.total[1] = 0;
-        let estimate =
-            ErrorEstimate { mse: &[0.5, 0.002, f32::NAN], picture: &picture, rank: &[0.0, 4.0, 2.0], counts: &counts };
+        let estimate = ErrorEstimate {
+            mse: &[0.5, 0.002, f32::NAN],
+            picture: &picture,
+            rank: Some(&[0.0, 4.0, 2.0]),
+            counts: &counts,
+        };
         let reductions = expected_reduction(&estimate, 0.001);
         assert!((reductions[0] - 0.5 / 4.001 / 16.0).abs() < 1e-8, "k = 0: n⁻¹");
         assert!((reductions[1] - 2.0).abs() < 1e-6, "without samples n counts as 1");
         assert_eq!(reductions[2], reductions[1], "the largest finite one");
-        let of_rank_4 = ErrorEstimate { rank: &[4.0; 3], ..estimate };
+        let of_rank_4 = ErrorEstimate { rank: Some(&[4.0; 3]), ..estimate };
         assert!((expected_reduction(&of_rank_4, 0.001)[0] - 0.5 / 4.001 / 4.0).abs() < 1e-8, "k = 4: n^(−½)");
     }
 

@@ -67,7 +67,7 @@ mod tests {
 
     fn map_of(mse: &[f32], picture: &Image, counts: &SampleCounts, budget: u64) -> SampleMap {
         let rank = vec![3.0; mse.len()];
-        let estimate = ErrorEstimate { mse, picture, rank: &rank, counts };
+        let estimate = ErrorEstimate { mse, picture, rank: Some(&rank), counts };
         sample_map(&estimate, budget, &AdaptiveSettings::DEFAULT)
     }
 

@@ -1,0 +1,29 @@
+//! Which method rebuilds a picture.
+
+stack::knob_choice! {
+    /// A method of reconstruction.
+    pub enum Method {
+        /// This project's: what `fit` says.
+        Ours = "ours",
+        /// None: the mean of the samples, with its variance as error.
+        Ld = "ld",
+    }
+}
+
+stack::knob_choice! {
+    /// How the method `ours` rebuilds a picture.
+    pub enum Fit {
+        /// The paper's: spikes replaced, features propagated and reduced, one local linear fit at every pixel.
+        Local = "local",
+    }
+}
+
+stack::knobs! {
+    /// Which method rebuilds the picture.
+    pub struct MethodSettings("") {
+        /// Reconstruction method: ours, or one to compare it with.
+        method: Method = Method::Ours, ..;
+        /// How ours rebuilds: local is the paper's regression at every pixel.
+        fit: Fit = Fit::Local, ..;
+    }
+}
