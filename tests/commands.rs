@@ -90,6 +90,26 @@ fn compare_leaves_out_what_the_mask_does() {
 }
 
 #[test]
+fn methods_are_set_beside_each_other() {
+    let workplace = Workplace::new();
+    std::fs::create_dir(workplace.path("box")).unwrap();
+    let files = [("b0", 2), ("b1", 2), ("b2", 2), ("b3", 2), ("ref1", 64), ("ref2", 64), ("oidn", 16)];
+    for (seed, (name, spp)) in files.into_iter().enumerate() {
+        let line = format!("render box.obj --size 24x24 --spp {spp} --seed {seed} --uniform --no-denoise");
+        workplace.must(&format!("{line} -o box/{name}.exr --quiet"));
+    }
+    let tables = workplace.must("experiment methods box -o out --quiet").stdout();
+    for row in ["| box | ld | ", "| box | paper | ", "| box | oidn | ", "(stacks: 1)"] {
+        assert!(tables.contains(row), "'{row}' is not in:\n{tables}");
+    }
+    for name in ["methods.md", "box-paper.exr", "box-paper.png", "box-ld.exr", "box-oidn.png", "box-reference.png"] {
+        assert!(workplace.path("out").join(name).exists(), "{name}");
+    }
+    let run = workplace.tamis("compare box/ref1.exr out/box-oidn.exr --max-rmse 1e9");
+    assert_eq!(run.code(), Some(0), "the pictures can be compared again");
+}
+
+#[test]
 fn info_says_what_a_file_holds() {
     let workplace = Workplace::new();
     workplace.must("render box.obj --size 32x32 --spp 4 -o a.exr --quiet");
