@@ -1,8 +1,8 @@
 //! A picture rebuilt from its stack: every component by the method that was asked for, then their sum.
 
-use stack::{Cancelled, Component, ComponentRole, Fault, FeatureStack, Image, Monitor};
+use stack::{Cancelled, Component, ComponentRole, Fault, FeatureStack, Image, Monitor, Size};
 
-use crate::emission::rebuild_emission;
+use crate::emission::{rebuild_emission, with_emission_apart};
 use crate::method::{Fit, Method};
 use crate::prefilter::{FeatureSet, PrefilterError, prefilter};
 use crate::variance::known_everywhere;
@@ -96,7 +96,7 @@ pub fn reconstruct(
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
     match settings.method.method {
-        Method::Ld => sum_of_components(stack, |component| unfiltered(stack, component)),
+        Method::Ld => sum_of_components(stack.size(), &stack.components, |component| unfiltered(stack, component)),
         Method::Ours => ours(stack, settings, monitor),
     }
 }
@@ -105,11 +105,13 @@ fn ours(stack: &FeatureStack, settings: &Settings, monitor: &dyn Monitor) -> Res
     match settings.method.fit {
         Fit::Local => {
             let features = prefilter(stack, &settings.prefilter, monitor)?;
-            sum_of_components(stack, |component| rebuilt(stack, component, &features, settings, monitor))
+            sum_of_components(stack.size(), &with_emission_apart(stack, monitor), |component| {
+                rebuilt(stack, component, &features, settings, monitor)
+            })
         }
         Fit::Collaborative => {
             let features = best::guide_features(stack, &settings.best.features, monitor)?;
-            sum_of_components(stack, |component| match component.role {
+            sum_of_components(stack.size(), &stack.components, |component| match component.role {
                 ComponentRole::Scattered => best::rebuild(stack, component, &features, &settings.best, monitor),
                 ComponentRole::Emission => {
                     let (radiance, variance) = (&component.radiance.mean, variance_of(stack, component)?);
@@ -122,11 +124,12 @@ fn ours(stack: &FeatureStack, settings: &Settings, monitor: &dyn Monitor) -> Res
 
 /// What `rebuild` makes of every component that is not black, added up.
 fn sum_of_components(
-    stack: &FeatureStack,
+    size: Size,
+    components: &[Component],
     rebuild: impl Fn(&Component) -> Result<Reconstruction, ReconstructError>,
 ) -> Result<Reconstruction, ReconstructError> {
-    let mut sum = Reconstruction::plain(Image::zeros(stack.size(), 3));
-    for component in stack.components.iter().filter(|component| is_lit(component)) {
+    let mut sum = Reconstruction::plain(Image::zeros(size, 3));
+    for component in components.iter().filter(|component| is_lit(component)) {
         sum.add(rebuild(component)?);
     }
     Ok(sum)
