@@ -13,6 +13,7 @@ mod paper;
 mod pipeline;
 pub mod prefilter;
 pub mod regression;
+pub mod rivals;
 mod settings;
 pub mod spikes;
 #[cfg(test)]

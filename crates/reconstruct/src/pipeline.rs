@@ -6,7 +6,7 @@ use crate::emission::rebuild_emission;
 use crate::method::Method;
 use crate::prefilter::{FeatureSet, PrefilterError, prefilter};
 use crate::variance::known_everywhere;
-use crate::{Settings, paper};
+use crate::{Settings, paper, rivals};
 
 /// A reconstructed picture and what is known about it, one value per pixel and plane. What a method does not have is
 /// `None`.
@@ -88,6 +88,7 @@ pub fn reconstruct(
 ) -> Result<Reconstruction, ReconstructError> {
     match settings.method.method {
         Method::Ld => sum_of_components(stack, |component| unfiltered(stack, component)),
+        Method::Wlr | Method::Wlrp | Method::Wlrv => rivals::reconstruct(stack, settings, monitor),
         Method::Ours => {
             let features = prefilter(stack, &settings.prefilter, monitor)?;
             sum_of_components(stack, |component| rebuilt(stack, component, &features, settings, monitor))
@@ -96,7 +97,7 @@ pub fn reconstruct(
 }
 
 /// What `rebuild` makes of every component that is not black, added up.
-fn sum_of_components(
+pub(crate) fn sum_of_components(
     stack: &FeatureStack,
     rebuild: impl Fn(&Component) -> Result<Reconstruction, ReconstructError>,
 ) -> Result<Reconstruction, ReconstructError> {
@@ -112,7 +113,7 @@ fn is_lit(component: &Component) -> bool {
 }
 
 /// Variance of the mean of `component`, known everywhere.
-fn variance_of(stack: &FeatureStack, component: &Component) -> Result<Image, ReconstructError> {
+pub(crate) fn variance_of(stack: &FeatureStack, component: &Component) -> Result<Image, ReconstructError> {
     let variance = component
         .radiance
         .variance_of_mean(&stack.samples)

@@ -3,6 +3,7 @@
 use crate::method::MethodSettings;
 use crate::prefilter::PrefilterSettings;
 use crate::regression::RegressionSettings;
+use crate::rivals::wlr::WlrSettings;
 use crate::spikes::SpikeSettings;
 
 stack::knob_groups! {
@@ -16,5 +17,7 @@ stack::knob_groups! {
         prefilter: PrefilterSettings,
         /// How pixels are rebuilt.
         regression: RegressionSettings,
+        /// Weighted local regression.
+        wlr: WlrSettings,
     }
 }

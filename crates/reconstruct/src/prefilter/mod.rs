@@ -1,6 +1,6 @@
 //! Features, normalised and freed of noise before the regression uses them (the paper's sections 4.2 and 6).
 
-mod normalise;
+pub(crate) mod normalise;
 mod patch_distance;
 mod paths;
 mod propagation;
@@ -157,7 +157,8 @@ fn guides(stack: &FeatureStack) -> Result<Vec<&Feature>, PrefilterError> {
     Ok(guides)
 }
 
-fn check(feature: &Feature, size: Size) -> Result<(), PrefilterError> {
+/// Whether `feature` has as many channels as its role and the `size` of the stack.
+pub(crate) fn check(feature: &Feature, size: Size) -> Result<(), PrefilterError> {
     let (name, mean) = (feature.role.layer(), &feature.estimate.mean);
     let (expected, found) = (feature.role.channels().len(), mean.channels().len());
     if found != expected {

@@ -1,0 +1,50 @@
+//! Published methods to compare ours with, on the same stacks.
+//!
+//! Each looks at the samples as ours does: means, half-buffers and variances of radiance and features. What a paper
+//! leaves open follows its authors' own program, as far as that is public. Directly seen emission is no matter of these
+//! papers: it is a component of its own and rebuilt as it is for ours.
+
+mod guides;
+pub mod wlr;
+
+use stack::{Component, ComponentRole, FeatureStack, Monitor};
+
+use crate::Settings;
+use crate::emission::rebuild_emission;
+use crate::method::Method;
+use crate::pipeline::{ReconstructError, Reconstruction, sum_of_components, variance_of};
+use crate::prefilter::prefilter;
+
+/// Rebuilds `stack` by the method of `settings`, one of those of this module.
+///
+/// # Errors
+/// When the noise of a component is unknown, there is no feature, or `monitor` cancels.
+pub fn reconstruct(
+    stack: &FeatureStack,
+    settings: &Settings,
+    monitor: &dyn Monitor,
+) -> Result<Reconstruction, ReconstructError> {
+    sum_of_components(stack, |component| match component.role {
+        ComponentRole::Scattered => scattered(stack, component, settings, monitor),
+        ComponentRole::Emission => {
+            let features = prefilter(stack, &settings.prefilter, monitor)?;
+            let variance = variance_of(stack, component)?;
+            Ok(rebuild_emission(&component.radiance.mean, &variance, &features, settings, monitor)?)
+        }
+    })
+}
+
+fn scattered(
+    stack: &FeatureStack,
+    component: &Component,
+    settings: &Settings,
+    monitor: &dyn Monitor,
+) -> Result<Reconstruction, ReconstructError> {
+    let variance = variance_of(stack, component)?;
+    let variant = match settings.method.method {
+        Method::Wlrp => wlr::Variant::Pilot,
+        Method::Wlrv => wlr::Variant::Visibility,
+        _ => wlr::Variant::Plain,
+    };
+    wlr::rebuild(stack, &component.radiance.mean, &variance, variant, settings, monitor)
+}
