@@ -136,9 +136,13 @@ impl WithSimd for Search<'_> {
         let mut models = Vec::with_capacity(width);
         for start in (0..width).step_by(Lanes::<S>::COUNT) {
             workspace.prepare(&self.shared, start, self.y);
-            let estimates = TRIED.map(|h| workspace.fit(&self.shared, Lanes::splat(simd, h)));
-            let biases = estimates.map(|estimate| estimate.bias.to_array());
-            let variances = estimates.map(|estimate| estimate.variance.to_array());
+            // A plain loop: closures given to `map` would not be compiled for the processor's vectors.
+            let (mut biases, mut variances) = ([[0.0; MOST_LANES]; TRIED.len()], [[0.0; MOST_LANES]; TRIED.len()]);
+            for (i, h) in TRIED.into_iter().enumerate() {
+                let estimate = workspace.fit(&self.shared, Lanes::splat(simd, h));
+                biases[i] = estimate.bias.to_array();
+                variances[i] = estimate.variance.to_array();
+            }
             for lane in 0..Lanes::<S>::COUNT.min(width - start) {
                 let (biases, variances) = (biases.map(|b| b[lane]), variances.map(|v| v[lane]));
                 models.push(ErrorModel::fit(workspace.reduction.rank[lane], &biases, &variances));
