@@ -13,6 +13,8 @@ stack::knob_choice! {
         Wlrp = "wlrp",
         /// The same with visibility among its features (the paper's figure 3).
         Wlrv = "wlrv",
+        /// Adaptive polynomial rendering (Moon et al. 2016).
+        Apr = "apr",
     }
 }
 

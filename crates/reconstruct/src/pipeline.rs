@@ -5,6 +5,8 @@ use stack::{Cancelled, Component, ComponentRole, Fault, FeatureStack, Image, Mon
 use crate::emission::rebuild_emission;
 use crate::method::Method;
 use crate::prefilter::{FeatureSet, PrefilterError, prefilter};
+use crate::rivals::Rival;
+use crate::rivals::wlr::Variant;
 use crate::variance::known_everywhere;
 use crate::{Settings, paper, rivals};
 
@@ -88,7 +90,10 @@ pub fn reconstruct(
 ) -> Result<Reconstruction, ReconstructError> {
     match settings.method.method {
         Method::Ld => sum_of_components(stack, |component| unfiltered(stack, component)),
-        Method::Wlr | Method::Wlrp | Method::Wlrv => rivals::reconstruct(stack, settings, monitor),
+        Method::Wlr => rivals::reconstruct(stack, Rival::Wlr(Variant::Plain), settings, monitor),
+        Method::Wlrp => rivals::reconstruct(stack, Rival::Wlr(Variant::Pilot), settings, monitor),
+        Method::Wlrv => rivals::reconstruct(stack, Rival::Wlr(Variant::Visibility), settings, monitor),
+        Method::Apr => rivals::reconstruct(stack, Rival::Apr, settings, monitor),
         Method::Ours => {
             let features = prefilter(stack, &settings.prefilter, monitor)?;
             sum_of_components(stack, |component| rebuilt(stack, component, &features, settings, monitor))

@@ -3,6 +3,7 @@
 use crate::method::MethodSettings;
 use crate::prefilter::PrefilterSettings;
 use crate::regression::RegressionSettings;
+use crate::rivals::apr::AprSettings;
 use crate::rivals::wlr::WlrSettings;
 use crate::spikes::SpikeSettings;
 
@@ -19,5 +20,7 @@ stack::knob_groups! {
         regression: RegressionSettings,
         /// Weighted local regression.
         wlr: WlrSettings,
+        /// Adaptive polynomial rendering.
+        apr: AprSettings,
     }
 }

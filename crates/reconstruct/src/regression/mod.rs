@@ -21,7 +21,7 @@ mod symmetric_eigen;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]
-mod twin;
+pub(crate) mod twin;
 pub(crate) mod window;
 
 use rayon::prelude::*;

@@ -4,6 +4,7 @@
 //! leaves open follows its authors' own program, as far as that is public. Directly seen emission is no matter of these
 //! papers: it is a component of its own and rebuilt as it is for ours.
 
+pub mod apr;
 mod guides;
 pub mod wlr;
 
@@ -11,21 +12,30 @@ use stack::{Component, ComponentRole, FeatureStack, Monitor};
 
 use crate::Settings;
 use crate::emission::rebuild_emission;
-use crate::method::Method;
 use crate::pipeline::{ReconstructError, Reconstruction, sum_of_components, variance_of};
 use crate::prefilter::prefilter;
 
-/// Rebuilds `stack` by the method of `settings`, one of those of this module.
+/// A published method.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rival {
+    /// Weighted local regression.
+    Wlr(wlr::Variant),
+    /// Adaptive polynomial rendering.
+    Apr,
+}
+
+/// Rebuilds `stack` by the method `rival`.
 ///
 /// # Errors
 /// When the noise of a component is unknown, there is no feature, or `monitor` cancels.
 pub fn reconstruct(
     stack: &FeatureStack,
+    rival: Rival,
     settings: &Settings,
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
     sum_of_components(stack, |component| match component.role {
-        ComponentRole::Scattered => scattered(stack, component, settings, monitor),
+        ComponentRole::Scattered => scattered(stack, component, rival, settings, monitor),
         ComponentRole::Emission => {
             let features = prefilter(stack, &settings.prefilter, monitor)?;
             let variance = variance_of(stack, component)?;
@@ -37,14 +47,13 @@ pub fn reconstruct(
 fn scattered(
     stack: &FeatureStack,
     component: &Component,
+    rival: Rival,
     settings: &Settings,
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
-    let variance = variance_of(stack, component)?;
-    let variant = match settings.method.method {
-        Method::Wlrp => wlr::Variant::Pilot,
-        Method::Wlrv => wlr::Variant::Visibility,
-        _ => wlr::Variant::Plain,
-    };
-    wlr::rebuild(stack, &component.radiance.mean, &variance, variant, settings, monitor)
+    let (radiance, variance) = (&component.radiance.mean, variance_of(stack, component)?);
+    match rival {
+        Rival::Wlr(variant) => wlr::rebuild(stack, radiance, &variance, variant, settings, monitor),
+        Rival::Apr => apr::rebuild(stack, radiance, &variance, settings, monitor),
+    }
 }
