@@ -2,7 +2,7 @@
 
 use pulp::Simd;
 
-use crate::regression::cholesky::factor;
+use super::factor::factor_dropping;
 use crate::regression::field::Field;
 use crate::regression::lanes::{Lanes, MOST_LANES};
 use crate::regression::normal_equations::NormalEquations;
@@ -87,14 +87,8 @@ impl<S: Simd> Blocks<S> {
         self.count = self.normal.matrix[0];
         let width = self.normal.width;
         let rows = &mut self.normal.matrix[..self.unknowns * width];
-        // Lanes past the end of a narrow picture have empty blocks.
-        let least = (self.count * LEAST_SQUARE).max(Lanes::splat(self.simd, f32::MIN_POSITIVE));
-        factor(self.simd, rows, self.unknowns, width, least);
-        // Raising a pivot to the least leaves less than its root on the diagonal.
-        let smallest = least.sqrt();
-        for j in 0..self.unknowns {
-            self.inverse[j] = Lanes::splat(self.simd, 1.0) / self.normal.matrix[j * width + j].max(smallest);
-        }
+        let (shape, least) = ((self.unknowns, width), self.count * LEAST_SQUARE);
+        factor_dropping(self.simd, rows, shape, least, &mut self.inverse);
         self.find_basis(field, window);
         self.choose(fitted);
     }

@@ -11,6 +11,7 @@
 //! their own; and how a spike is told from detail, for which the paper leaves no formula that we know of.
 
 mod block;
+mod factor;
 mod outliers;
 mod row;
 #[cfg(test)]
