@@ -58,13 +58,55 @@ fn compare_measures_and_judges() {
     let image = |i: usize, key: &str| report["images"][i][key].clone();
     assert!(image(0, "rmse").as_f64() > Some(0.0) && image(1, "rmse").as_f64() == Some(0.0));
     assert!(image(0, "rmse_cross").as_f64().unwrap() > image(1, "rmse_cross").as_f64().unwrap());
-    assert_eq!((image(0, "flip"), image(0, "flip_hdr")), (Value::Null, Value::Null));
+    for flip in ["flip", "flip_hdr"] {
+        assert!((0.001..1.0).contains(&image(0, flip).as_f64().unwrap()));
+        assert_eq!(image(1, flip).as_f64(), Some(0.0));
+    }
     assert_eq!(image(0, "nan_pixels").as_u64(), Some(0));
     assert_eq!(workplace.tamis("compare ref1.exr noisy.exr --max-rmse 1e-9").code(), Some(1));
-    assert_eq!(workplace.tamis("compare ref1.exr noisy.exr --max-rmse 1e9").code(), Some(0));
+    assert_eq!(workplace.tamis("compare ref1.exr noisy.exr --max-rmse 1e9 --max-flip 1").code(), Some(0));
+    assert_eq!(workplace.tamis("compare ref1.exr noisy.exr --max-flip 0.001").code(), Some(1));
     workplace.must("render box.obj --size 16x32 --spp 1 --no-denoise -o small.exr --quiet");
     let run = workplace.tamis("compare ref1.exr small.exr");
     assert_eq!((run.code(), run.errors().len()), (Some(2), 1));
+}
+
+#[test]
+fn compare_leaves_out_what_the_mask_does() {
+    let workplace = Workplace::new();
+    workplace.must("render box.obj --size 16x16 --spp 4 --uniform --no-denoise -o a.exr --quiet");
+    workplace.must("render box.obj --size 16x16 --spp 4 --seed 1 --uniform --no-denoise -o b.exr --quiet");
+    let mask: Vec<u8> = (0..256).flat_map(|i| [u8::from(i % 3 == 0) * 255; 3]).collect();
+    let mut pfm = b"PF\n16 16\n-1.0\n".to_vec();
+    pfm.extend(mask.iter().flat_map(|v| f32::from(*v).to_le_bytes()));
+    std::fs::write(workplace.path("some.pfm"), pfm).unwrap();
+    let rmse = |more: &str| {
+        let report = json(&workplace.must(&format!("compare a.exr b.exr --json {more}")).stdout());
+        report["images"][0]["rmse"].as_f64().unwrap()
+    };
+    assert!((rmse("--mask some.pfm") - rmse("")).abs() > 1e-6);
+    let run = workplace.tamis("compare a.exr b.exr --mask absent.png");
+    assert_eq!((run.code(), run.errors().len()), (Some(2), 1));
+}
+
+#[test]
+fn methods_are_set_beside_each_other() {
+    let workplace = Workplace::new();
+    std::fs::create_dir(workplace.path("box")).unwrap();
+    let files = [("b0", 2), ("b1", 2), ("b2", 2), ("b3", 2), ("ref1", 64), ("ref2", 64), ("oidn", 16)];
+    for (seed, (name, spp)) in files.into_iter().enumerate() {
+        let line = format!("render box.obj --size 24x24 --spp {spp} --seed {seed} --uniform --no-denoise");
+        workplace.must(&format!("{line} -o box/{name}.exr --quiet"));
+    }
+    let tables = workplace.must("experiment methods box -o out --quiet").stdout();
+    for row in ["| box | ld | ", "| box | paper | ", "| box | oidn | ", "(stacks: 1)"] {
+        assert!(tables.contains(row), "'{row}' is not in:\n{tables}");
+    }
+    for name in ["methods.md", "box-paper.exr", "box-paper.png", "box-ld.exr", "box-oidn.png", "box-reference.png"] {
+        assert!(workplace.path("out").join(name).exists(), "{name}");
+    }
+    let run = workplace.tamis("compare box/ref1.exr out/box-oidn.exr --max-rmse 1e9");
+    assert_eq!(run.code(), Some(0), "the pictures can be compared again");
 }
 
 #[test]

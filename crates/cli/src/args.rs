@@ -71,6 +71,8 @@ pub enum Preset {
     /// The paper to the letter.
     #[default]
     Paper,
+    /// Two passes of collaborative regression.
+    Best,
 }
 
 /// How the picture is reconstructed.
@@ -184,6 +186,12 @@ pub struct CompareArgs {
     /// Exit 1 when an image's relative MSE is above this.
     #[arg(long, value_name = "X")]
     pub max_rmse: Option<f64>,
+    /// Exit 1 when an image's LDR-FLIP is above this.
+    #[arg(long, value_name = "X")]
+    pub max_flip: Option<f64>,
+    /// A picture of the same size: pixels that are black in it are left out of every measure.
+    #[arg(long, value_name = "FILE")]
+    pub mask: Option<PathBuf>,
     /// Print JSON instead of a table.
     #[arg(long)]
     pub json: bool,

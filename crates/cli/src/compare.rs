@@ -10,6 +10,7 @@ use stack::file::read_picture;
 
 use crate::args::CompareArgs;
 use crate::failure::{Verdict, usage};
+use crate::mask::read_mask;
 use crate::stdout::print_line;
 
 /// Runs the command.
@@ -19,7 +20,13 @@ pub fn run(args: &CompareArgs) -> Result<Verdict> {
     }
     let reference = read_picture(&args.reference)?;
     let second = args.ref2.as_deref().map(read_picture).transpose()?;
-    let reference = Reference { second: second.as_ref(), epsilon: args.epsilon, ..Reference::new(&reference) };
+    let mask = args.mask.as_deref().map(|file| read_mask(file, reference.size())).transpose()?;
+    let reference = Reference {
+        second: second.as_ref(),
+        epsilon: args.epsilon,
+        mask: mask.as_deref(),
+        ..Reference::new(&reference)
+    };
     let mut measured = Vec::new();
     for file in &args.images {
         measured.push((file.as_path(), measure(file, &reference)?));
@@ -29,8 +36,12 @@ pub fn run(args: &CompareArgs) -> Result<Verdict> {
     } else {
         print_line(table(&measured))?;
     }
-    let above = |comparison: &Comparison| matches!((comparison.rmse, args.max_rmse), (Some(rmse), Some(most)) if rmse > most || rmse.is_nan());
-    Ok(if measured.iter().any(|(_, comparison)| above(comparison)) { Verdict::No } else { Verdict::Done })
+    let too_far = |c: &Comparison| above(c.rmse, args.max_rmse) || above(c.flip, args.max_flip);
+    Ok(if measured.iter().any(|(_, comparison)| too_far(comparison)) { Verdict::No } else { Verdict::Done })
+}
+
+fn above(measure: Option<f64>, limit: Option<f64>) -> bool {
+    matches!((measure, limit), (Some(measure), Some(limit)) if measure > limit || measure.is_nan())
 }
 
 fn measure(file: &Path, reference: &Reference<'_>) -> Result<Comparison> {
@@ -49,7 +60,13 @@ fn report(args: &CompareArgs, measured: &[(&Path, Comparison)]) -> Value {
             entry
         })
         .collect();
-    json!({"reference": args.reference, "ref2": args.ref2, "epsilon": args.epsilon, "images": images})
+    json!({
+        "reference": args.reference,
+        "ref2": args.ref2,
+        "mask": args.mask,
+        "epsilon": args.epsilon,
+        "images": images,
+    })
 }
 
 /// A column for each measure that was taken for any image, a row for each image.

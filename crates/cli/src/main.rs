@@ -8,6 +8,7 @@ mod exposure;
 mod failure;
 mod info;
 mod interrupt;
+mod mask;
 mod options;
 mod output;
 mod progress;

@@ -115,6 +115,10 @@ impl Monitor for Progress {
         }
     }
 
+    fn note(&self, line: &str) {
+        self.say(line);
+    }
+
     fn cancelled(&self) -> bool {
         interrupt::requested()
     }

@@ -2,6 +2,7 @@
 
 use anyhow::Result;
 use clap::ArgMatches;
+use reconstruct::Fit;
 use reconstruct::adaptive::AdaptiveSettings;
 use stack::Knobs;
 use tracer::integrator::TraceSettings;
@@ -40,6 +41,11 @@ impl Settings {
     pub fn of(preset: Preset) -> Self {
         match preset {
             Preset::Paper => Self::default(),
+            Preset::Best => {
+                let mut settings = Self::default();
+                settings.reconstruction.method.fit = Fit::Collaborative;
+                settings
+            }
         }
     }
 

@@ -13,6 +13,7 @@ use stack::Size;
 ///
 /// # Panics
 /// When `values` or `partial` is shorter than `sums.len() + width − 1`: that is a mistake in the calling code.
+#[inline(always)]
 pub fn window_sums(values: &[f32], width: usize, partial: &mut [f32], sums: &mut [f32]) {
     let needed = sums.len() + width - 1;
     partial[..needed].copy_from_slice(&values[..needed]);

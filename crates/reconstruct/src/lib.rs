@@ -4,14 +4,19 @@
 //! [`regression`], [`adaptive`]. [`reconstruct`] calls the first three in a row for each component of a stack.
 
 pub mod adaptive;
+pub mod best;
 pub mod box_filter;
+pub mod collaborative;
 mod emission;
 pub mod exp;
 mod method;
 pub mod metrics;
+pub mod nl_means;
 mod paper;
+pub mod patch_distance;
 mod pipeline;
 pub mod prefilter;
+pub mod rectangle;
 pub mod regression;
 pub mod rivals;
 mod settings;

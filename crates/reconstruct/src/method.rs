@@ -13,6 +13,8 @@ stack::knob_choice! {
         Wlrp = "wlrp",
         /// The same with visibility among its features (the paper's figure 3).
         Wlrv = "wlrv",
+        /// Nonlinearly weighted first-order regression (Bitterli et al. 2016).
+        Nfor = "nfor",
         /// Adaptive polynomial rendering (Moon et al. 2016).
         Apr = "apr",
     }
@@ -23,6 +25,8 @@ stack::knob_choice! {
     pub enum Fit {
         /// The paper's: spikes replaced, features propagated and reduced, one local linear fit at every pixel.
         Local = "local",
+        /// Two passes of collaborative fits on all features, light split into a low layer and events.
+        Collaborative = "collaborative",
     }
 }
 
@@ -31,7 +35,8 @@ stack::knobs! {
     pub struct MethodSettings("") {
         /// Reconstruction method: ours, or one to compare it with.
         method: Method = Method::Ours, ..;
-        /// How ours rebuilds: local is the paper's regression at every pixel.
+        /// How ours rebuilds: local is the paper's regression at every pixel, collaborative two passes of fits that
+        /// predict their whole window.
         fit: Fit = Fit::Local, ..;
     }
 }

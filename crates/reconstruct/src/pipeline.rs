@@ -1,14 +1,14 @@
 //! A picture rebuilt from its stack: every component by the method that was asked for, then their sum.
 
-use stack::{Cancelled, Component, ComponentRole, Fault, FeatureStack, Image, Monitor};
+use stack::{Cancelled, Component, ComponentRole, Fault, FeatureStack, Image, Monitor, Size};
 
-use crate::emission::rebuild_emission;
-use crate::method::Method;
+use crate::emission::{rebuild_emission, with_emission_apart};
+use crate::method::{Fit, Method};
 use crate::prefilter::{FeatureSet, PrefilterError, prefilter};
 use crate::rivals::Rival;
 use crate::rivals::wlr::Variant;
 use crate::variance::known_everywhere;
-use crate::{Settings, paper, rivals};
+use crate::{Settings, best, paper, rivals};
 
 /// A reconstructed picture and what is known about it, one value per pixel and plane. What a method does not have is
 /// `None`.
@@ -63,6 +63,15 @@ pub enum ReconstructError {
         /// Layer of the component.
         layer: &'static str,
     },
+    /// The method needs independent parts of the picture.
+    #[error(
+        "the noise of layer '{layer}' does not come in buckets or half-buffers, which this method needs: choose \
+         --preset paper, or give several renders with --buckets"
+    )]
+    NoBuckets {
+        /// Layer of the component.
+        layer: &'static str,
+    },
     /// The features cannot be used.
     #[error(transparent)]
     Prefilter(#[from] PrefilterError),
@@ -73,7 +82,7 @@ impl ReconstructError {
     pub fn fault(&self) -> Fault {
         match self {
             Self::Cancelled(_) => Fault::Interrupted,
-            Self::NoiseUnknown { .. } => Fault::Input,
+            Self::NoiseUnknown { .. } | Self::NoBuckets { .. } => Fault::Input,
             Self::Prefilter(error) => error.fault(),
         }
     }
@@ -89,25 +98,45 @@ pub fn reconstruct(
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
     match settings.method.method {
-        Method::Ld => sum_of_components(stack, |component| unfiltered(stack, component)),
+        Method::Ld => sum_of_components(stack.size(), &stack.components, |component| unfiltered(stack, component)),
+        Method::Ours => ours(stack, settings, monitor),
         Method::Wlr => rivals::reconstruct(stack, Rival::Wlr(Variant::Plain), settings, monitor),
         Method::Wlrp => rivals::reconstruct(stack, Rival::Wlr(Variant::Pilot), settings, monitor),
         Method::Wlrv => rivals::reconstruct(stack, Rival::Wlr(Variant::Visibility), settings, monitor),
+        Method::Nfor => rivals::reconstruct(stack, Rival::Nfor, settings, monitor),
         Method::Apr => rivals::reconstruct(stack, Rival::Apr, settings, monitor),
-        Method::Ours => {
+    }
+}
+
+fn ours(stack: &FeatureStack, settings: &Settings, monitor: &dyn Monitor) -> Result<Reconstruction, ReconstructError> {
+    match settings.method.fit {
+        Fit::Local => {
             let features = prefilter(stack, &settings.prefilter, monitor)?;
-            sum_of_components(stack, |component| rebuilt(stack, component, &features, settings, monitor))
+            sum_of_components(stack.size(), &with_emission_apart(stack, monitor), |component| {
+                rebuilt(stack, component, &features, settings, monitor)
+            })
+        }
+        Fit::Collaborative => {
+            let features = best::guide_features(stack, &settings.best.features, monitor)?;
+            sum_of_components(stack.size(), &stack.components, |component| match component.role {
+                ComponentRole::Scattered => best::rebuild(stack, component, &features, &settings.best, monitor),
+                ComponentRole::Emission => {
+                    let (radiance, variance) = (&component.radiance.mean, variance_of(stack, component)?);
+                    Ok(rebuild_emission(radiance, &variance, &features.set, settings, monitor)?)
+                }
+            })
         }
     }
 }
 
 /// What `rebuild` makes of every component that is not black, added up.
 pub(crate) fn sum_of_components(
-    stack: &FeatureStack,
+    size: Size,
+    components: &[Component],
     rebuild: impl Fn(&Component) -> Result<Reconstruction, ReconstructError>,
 ) -> Result<Reconstruction, ReconstructError> {
-    let mut sum = Reconstruction::plain(Image::zeros(stack.size(), 3));
-    for component in stack.components.iter().filter(|component| is_lit(component)) {
+    let mut sum = Reconstruction::plain(Image::zeros(size, 3));
+    for component in components.iter().filter(|component| is_lit(component)) {
         sum.add(rebuild(component)?);
     }
     Ok(sum)

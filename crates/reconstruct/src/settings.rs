@@ -1,9 +1,11 @@
 //! Every setting of the reconstruction.
 
+use crate::best::BestSettings;
 use crate::method::MethodSettings;
 use crate::prefilter::PrefilterSettings;
 use crate::regression::RegressionSettings;
 use crate::rivals::apr::AprSettings;
+use crate::rivals::nfor::NforSettings;
 use crate::rivals::wlr::WlrSettings;
 use crate::spikes::SpikeSettings;
 
@@ -18,8 +20,12 @@ stack::knob_groups! {
         prefilter: PrefilterSettings,
         /// How pixels are rebuilt.
         regression: RegressionSettings,
+        /// How the collaborative fit rebuilds.
+        best: BestSettings,
         /// Weighted local regression.
         wlr: WlrSettings,
+        /// Nonlinearly weighted first-order regression.
+        nfor: NforSettings,
         /// Adaptive polynomial rendering.
         apr: AprSettings,
     }

@@ -17,6 +17,11 @@ pub trait Monitor: Sync {
         let _ = (step, seconds);
     }
 
+    /// Something worth telling the user, in one line.
+    fn note(&self, line: &str) {
+        let _ = line;
+    }
+
     /// Whether to stop as soon as possible. Once true, it stays true.
     fn cancelled(&self) -> bool {
         false

@@ -1,6 +1,8 @@
 //! `tamis experiment`: the tables of the documentation, made again by one command each.
 
+mod case;
 mod fireflies;
+mod methods;
 mod reference;
 mod scenes;
 mod sequences;
@@ -22,6 +24,9 @@ pub enum Experiment {
     /// Error with each stage switched off in turn, and how rank and bandwidth are distributed. Inputs: folders with
     /// b0.exr, b1.exr …, ref1.exr and ref2.exr.
     Stages,
+    /// Every method on every stack: errors, time, pictures, and errors over Open Image Denoise's. Inputs: folders as for
+    /// stages, perhaps with oidn.exr.
+    Methods,
     /// Noisy, uniform and adaptive pictures of scenes at 8 and 32 spp. Inputs: scenes.
     Scenes,
     /// How many independent sequences the samples of a pixel should be dealt from. Inputs: scenes.
@@ -48,6 +53,7 @@ pub fn run(args: &ExperimentArgs) -> Result<Verdict> {
     let progress = Progress::new(&args.report);
     let tables = match args.name {
         Experiment::Stages => stages::run(args, &progress)?,
+        Experiment::Methods => methods::run(args, &progress)?,
         Experiment::Scenes => scenes::run(args, &progress)?,
         Experiment::Sequences => sequences::run(args, &progress)?,
         Experiment::Fireflies => fireflies::run(&progress)?,

@@ -1,21 +1,16 @@
 //! What each stage is worth: the error with every stage switched off in turn.
 
-use std::path::{Path, PathBuf};
-
-use anyhow::{Context, Result};
-use reconstruct::metrics::{Comparison, Reference, compare};
+use anyhow::Result;
+use reconstruct::metrics::Comparison;
 use reconstruct::{Reconstruction, reconstruct};
-use stack::file::{read_buckets, read_picture};
-use stack::{FeatureStack, Image, Knobs};
 
+use super::case::{Case, Flags, settings};
 use super::table::{Table, maybe};
-use crate::args::ExperimentArgs;
-use crate::failure::usage;
+use crate::args::{ExperimentArgs, Preset};
 use crate::progress::Progress;
-use crate::settings::Settings;
 
-/// A name and the flags that make it.
-type Variant = (&'static str, &'static [(&'static str, &'static str)]);
+/// A name and the flags that make it of the paper's settings.
+type Variant = (&'static str, Flags);
 
 const VARIANTS: [Variant; 17] = [
     ("paper", &[]),
@@ -37,30 +32,25 @@ const VARIANTS: [Variant; 17] = [
     ("window 11×11", &[("window-radius", "5")]),
 ];
 
-/// A stack of buckets with two references.
-struct Case {
-    name: String,
-    stack: FeatureStack,
-    references: [Image; 2],
-}
-
 /// Runs the experiment on every folder given.
 pub fn run(args: &ExperimentArgs, progress: &Progress) -> Result<Vec<Table>> {
-    let cases: Vec<Case> = args.inputs.iter().map(|folder| open(folder)).collect::<Result<_>>()?;
+    let cases = Case::open_all(args)?;
     let mut head = vec!["variant"];
     head.extend(cases.iter().map(|case| case.name.as_str()));
     let mut table = Table::new("Cross rMSE, trimmed cross rMSE, energy", &head);
     let mut noisy = vec!["noisy".to_string()];
-    noisy.extend(cases.iter().map(|case| cell(&case.judge(&case.stack.beauty()))));
+    for case in &cases {
+        noisy.push(cell(&case.judge(&case.stack.beauty())?));
+    }
     table.rows.push(noisy);
     let mut histograms = Vec::new();
     for (name, flags) in VARIANTS {
-        let settings = settings(flags)?;
+        let settings = settings(Preset::Paper, flags)?;
         let mut row = vec![name.to_string()];
         for case in &cases {
             progress.say(&format!("{}: {name}", case.name));
             let outcome = reconstruct(&case.stack, &settings.reconstruction, progress)?;
-            row.push(cell(&case.judge(&outcome.picture)));
+            row.push(cell(&case.judge(&outcome.picture)?));
             if flags.is_empty() {
                 histograms.extend(histogram(case, &outcome));
             }
@@ -69,30 +59,6 @@ pub fn run(args: &ExperimentArgs, progress: &Progress) -> Result<Vec<Table>> {
     }
     histograms.insert(0, table);
     Ok(histograms)
-}
-
-fn settings(flags: &[(&str, &str)]) -> Result<Settings> {
-    let mut settings = Settings::default();
-    for (flag, value) in flags {
-        settings.set(flag, value).ok_or_else(|| usage(format!("no setting is called {flag}")))??;
-    }
-    Ok(settings)
-}
-
-fn open(folder: &Path) -> Result<Case> {
-    let buckets: Vec<PathBuf> =
-        (0..).map(|b| folder.join(format!("b{b}.exr"))).take_while(|file| file.exists()).collect();
-    let name = folder.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-    let read = read_buckets(&buckets).with_context(|| format!("{}: b0.exr, b1.exr …", folder.display()))?;
-    let references = [read_picture(&folder.join("ref1.exr"))?, read_picture(&folder.join("ref2.exr"))?];
-    Ok(Case { name, stack: read.stack, references })
-}
-
-impl Case {
-    fn judge(&self, picture: &Image) -> Comparison {
-        let reference = Reference { second: Some(&self.references[1]), ..Reference::new(&self.references[0]) };
-        compare(picture, &reference).unwrap_or_default()
-    }
 }
 
 fn cell(c: &Comparison) -> String {

@@ -2,6 +2,7 @@
 
 mod average;
 mod energy_ratio;
+mod flip;
 mod judged;
 mod mse;
 mod nan_pixels;
@@ -15,6 +16,7 @@ use serde::Serialize;
 use stack::{Fault, Image, Size};
 
 pub use energy_ratio::energy_ratio;
+pub use flip::{flip, flip_hdr};
 pub use judged::judged_pixels;
 pub use mse::mse;
 pub use nan_pixels::nan_pixels;
@@ -60,9 +62,9 @@ pub struct Comparison {
     pub psnr: Option<f64>,
     /// Structural similarity of the displayed pictures' luma.
     pub ssim: Option<f64>,
-    /// LDR-FLIP of the displayed pictures. Not computed yet.
+    /// Mean LDR-FLIP of the displayed pictures, 0 … 1.
     pub flip: Option<f64>,
-    /// HDR-FLIP. Not computed yet.
+    /// Mean HDR-FLIP, over exposures that suit the reference, 0 … 1.
     pub flip_hdr: Option<f64>,
     /// Sum of the picture over the sum of the reference.
     pub energy_ratio: Option<f64>,
@@ -127,8 +129,8 @@ pub fn compare(image: &Image, reference: &Reference) -> Result<Comparison, Compa
         mse: mse(image, truth, &pixels),
         psnr: psnr(image, truth, &pixels),
         ssim: ssim(image, truth, &pixels),
-        flip: None,
-        flip_hdr: None,
+        flip: flip(image, truth, &pixels),
+        flip_hdr: flip_hdr(image, truth, &pixels),
         energy_ratio: energy_ratio(image, truth, &pixels),
         nan_pixels: nan_pixels(image, &pixels),
     })
@@ -193,7 +195,15 @@ mod tests {
         for (found, expected) in expected {
             assert!((found.unwrap() / expected - 1.0).abs() < 1e-9, "{found:?} {expected}");
         }
-        assert_eq!((found.flip, found.nan_pixels), (None, 0));
+        assert_eq!(found.nan_pixels, 0);
+    }
+
+    /// The figures come from the authors' program, as those in `flip/tests.rs` do.
+    #[test]
+    fn flip_is_the_authors() {
+        let found = compare(&picture(0), &Reference::new(&picture(1))).unwrap();
+        assert!((found.flip.unwrap() / 0.084_456_826_9 - 1.0).abs() < 1e-5, "{found:?}");
+        assert!((found.flip_hdr.unwrap() / 0.086_486_365 - 1.0).abs() < 1e-5, "{found:?}");
     }
 
     #[test]
@@ -206,6 +216,7 @@ mod tests {
         let found = compare(&image, &Reference { mask: Some(&mask), ..Reference::new(&reference) }).unwrap();
         let same = (Some(0.0), Some(0.0), Some(1.0), Some(f64::INFINITY), 0);
         assert_eq!((found.rmse, found.mse, found.energy_ratio, found.psnr, found.nan_pixels), same);
+        assert_eq!((found.flip, found.flip_hdr), (Some(0.0), Some(0.0)));
         let found = compare(&image, &Reference::new(&reference)).unwrap();
         assert_eq!(found.nan_pixels, 1);
         assert!(found.rmse.unwrap() > 1.0 && found.rmse.unwrap().is_finite());

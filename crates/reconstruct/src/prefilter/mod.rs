@@ -1,7 +1,6 @@
 //! Features, normalised and freed of noise before the regression uses them (the paper's sections 4.2 and 6).
 
-pub(crate) mod normalise;
-mod patch_distance;
+mod normalise;
 mod paths;
 mod propagation;
 
@@ -10,9 +9,10 @@ use std::ops::Range;
 use rayon::prelude::*;
 use stack::{Cancelled, Fault, Feature, FeatureRole, FeatureStack, Monitor, Size};
 
+use crate::patch_distance::NoisyPlanes;
 use crate::variance::smoothed;
-use normalise::{NormalisedFeature, normalised};
-use patch_distance::NoisyPlanes;
+use normalise::NormalisedFeature;
+pub(crate) use normalise::{normalised, normalised_halves};
 use propagation::{Shape, propagation_filter, tile_count};
 
 /// Features ready for regression: one plane per channel, all on comparable scales.
@@ -145,7 +145,7 @@ pub fn prefilter(
 }
 
 /// The features that guide the regression, checked.
-fn guides(stack: &FeatureStack) -> Result<Vec<&Feature>, PrefilterError> {
+pub(crate) fn guides(stack: &FeatureStack) -> Result<Vec<&Feature>, PrefilterError> {
     let positioned = stack.feature(FeatureRole::Position).is_some();
     let guides: Vec<&Feature> = stack.features.iter().filter(|f| f.role != FeatureRole::Depth || !positioned).collect();
     if guides.is_empty() {

@@ -7,9 +7,10 @@
 use rayon::prelude::*;
 use stack::{Cancelled, Monitor};
 
-use super::patch_distance::{NoisyPlanes, PatchDistance, Rectangle};
 use super::paths::{NEIGHBOURS, Step, steps};
 use crate::exp::exp_of_negative;
+use crate::patch_distance::{Comparison, NoisyPlanes, PatchDistance};
+use crate::rectangle::{Rectangle, put_together, tiles_of};
 
 /// Side of the tiles that are filtered one by one: their buffers stay in a core's own cache.
 const TILE: usize = 64;
@@ -40,7 +41,7 @@ pub fn propagation_filter(
     monitor: &dyn Monitor,
 ) -> Result<Vec<Vec<f32>>, Cancelled> {
     let steps = steps(shape.radius);
-    let tiles = tiles_of(planes.size);
+    let tiles = tiles_of(planes.size, TILE);
     let filtered: Result<Vec<_>, _> = tiles
         .par_iter()
         .map(|tile| {
@@ -52,26 +53,7 @@ pub fn propagation_filter(
             Ok(means)
         })
         .collect();
-    Ok(put_together(planes, &tiles, &filtered?))
-}
-
-fn tiles_of(size: stack::Size) -> Vec<Rectangle> {
-    let corners = (0..size.height).step_by(TILE).flat_map(|y| (0..size.width).step_by(TILE).map(move |x| (x, y)));
-    corners
-        .map(|(x, y)| Rectangle { x0: x, y0: y, x1: (x + TILE).min(size.width), y1: (y + TILE).min(size.height) })
-        .collect()
-}
-
-fn put_together(planes: NoisyPlanes, tiles: &[Rectangle], filtered: &[Vec<Vec<f32>>]) -> Vec<Vec<f32>> {
-    let mut out = vec![vec![0.0; planes.size.pixels()]; planes.values.len()];
-    for (tile, channels) in tiles.iter().zip(filtered) {
-        for (plane, values) in out.iter_mut().zip(channels) {
-            for (y, row) in (tile.y0..tile.y1).zip(values.chunks_exact(tile.width())) {
-                plane[planes.size.index(tile.x0, y)..][..row.len()].copy_from_slice(row);
-            }
-        }
-    }
-    out
+    Ok(put_together(planes.size, &tiles, &filtered?, planes.values.len()))
 }
 
 /// Filters one tile.
@@ -94,11 +76,12 @@ struct TileFilter<'a> {
 impl<'a> TileFilter<'a> {
     fn new(planes: NoisyPlanes<'a>, shape: Shape, tile: Rectangle) -> Self {
         let pixels = tile.width() * tile.height();
+        let comparison = Comparison { patch_radius: shape.patch_radius, epsilon: shape.epsilon, noise_taken_off: 1.0 };
         let crossed = tile.grown(shape.radius.saturating_sub(1), planes.size);
         Self {
             planes,
             tile,
-            distance: PatchDistance::new(planes, shape.patch_radius, shape.epsilon),
+            distance: PatchDistance::new(planes, comparison),
             to_centre: Vec::new(),
             adjacent: Default::default(),
             crossed,
@@ -186,8 +169,8 @@ fn cut_out(plane: &[f32], planes: NoisyPlanes, tile: Rectangle) -> Vec<f32> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::patch_distance::tests::{distance_twin, random_planes};
     use super::*;
+    use crate::patch_distance::tests::{distance_twin, random_planes};
     use crate::test_noise::TestNoise;
     use stack::{Silent, Size};
 

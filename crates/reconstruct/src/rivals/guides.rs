@@ -2,8 +2,7 @@
 
 use stack::{Feature, FeatureRole, FeatureStack};
 
-use crate::prefilter::normalise::normalised;
-use crate::prefilter::{FeatureSet, PrefilterError, VarianceSource, check};
+use crate::prefilter::{FeatureSet, PrefilterError, VarianceSource, check, normalised};
 use crate::variance::known_everywhere;
 
 /// Features in [−1, 1] as they were measured, and what is known about their noise.

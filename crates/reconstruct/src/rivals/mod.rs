@@ -6,12 +6,15 @@
 
 pub mod apr;
 mod guides;
+pub mod nfor;
 pub mod wlr;
+
+use std::borrow::Cow;
 
 use stack::{Component, ComponentRole, FeatureStack, Monitor};
 
 use crate::Settings;
-use crate::emission::rebuild_emission;
+use crate::emission::{rebuild_emission, with_emission_apart};
 use crate::pipeline::{ReconstructError, Reconstruction, sum_of_components, variance_of};
 use crate::prefilter::prefilter;
 
@@ -20,6 +23,8 @@ use crate::prefilter::prefilter;
 pub enum Rival {
     /// Weighted local regression.
     Wlr(wlr::Variant),
+    /// Nonlinearly weighted first-order regression.
+    Nfor,
     /// Adaptive polynomial rendering.
     Apr,
 }
@@ -34,7 +39,12 @@ pub fn reconstruct(
     settings: &Settings,
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
-    sum_of_components(stack, |component| match component.role {
+    // A collaborative fit follows lamps by itself; elsewhere their bright edges would spoil the fits around them.
+    let components = match rival {
+        Rival::Nfor => Cow::Borrowed(stack.components.as_slice()),
+        Rival::Wlr(_) | Rival::Apr => with_emission_apart(stack, monitor),
+    };
+    sum_of_components(stack.size(), &components, |component| match component.role {
         ComponentRole::Scattered => scattered(stack, component, rival, settings, monitor),
         ComponentRole::Emission => {
             let features = prefilter(stack, &settings.prefilter, monitor)?;
@@ -54,6 +64,7 @@ fn scattered(
     let (radiance, variance) = (&component.radiance.mean, variance_of(stack, component)?);
     match rival {
         Rival::Wlr(variant) => wlr::rebuild(stack, radiance, &variance, variant, settings, monitor),
+        Rival::Nfor => nfor::rebuild(stack, component, settings, monitor),
         Rival::Apr => apr::rebuild(stack, radiance, &variance, settings, monitor),
     }
 }

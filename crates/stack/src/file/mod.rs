@@ -12,7 +12,6 @@ mod alias;
 mod atomic;
 mod borrowed;
 mod error;
-mod foreign_emission;
 mod layers;
 mod pfm;
 mod picture;

@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use super::foreign_emission::split_emission;
 use super::picture::colour_prefix;
 use super::write::bucket_layer;
 use super::{FileError, Layers, StackHeader, alias};
@@ -245,7 +244,8 @@ fn bucket_stack(mut layers: Layers, colours: Vec<Image>, features: Vec<(FeatureR
         .into_iter()
         .map(|(role, buckets)| Feature { role, estimate: Estimate::from_buckets(buckets, &samples) })
         .collect();
-    let mut notes = vec![format!("found {} buckets with colour{}", colours.len(), list(&features))];
-    let components = split_emission(colours, &features, &samples, &mut notes);
-    ReadStack { stack: assemble(layers, samples, components, features), header: None, notes }
+    let notes = vec![format!("found {} buckets with colour{}", colours.len(), list(&features))];
+    let radiance = Estimate::from_buckets(colours, &samples);
+    let component = Component { role: ComponentRole::Scattered, radiance };
+    ReadStack { stack: assemble(layers, samples, vec![component], features), header: None, notes }
 }

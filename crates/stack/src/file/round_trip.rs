@@ -79,17 +79,12 @@ fn buckets_from_several_files_make_one_stack() {
     let paths: Vec<_> = (0..4)
         .map(|b| {
             let path = folder.path().join(format!("b{b}.exr"));
-            let mut colour = image(3, b);
-            // One lamp pixel that every bucket agrees about.
-            colour.channels_mut().iter_mut().for_each(|plane| plane[7] = 50.0);
-            write_picture(&path, &colour).unwrap();
+            write_picture(&path, &image(3, b)).unwrap();
             path
         })
         .collect();
     let read = read_buckets(&paths).unwrap();
-    let emission = read.stack.component(ComponentRole::Emission).unwrap();
-    assert_eq!(emission.radiance.mean.rgb(7), [50.0; 3]);
-    assert_eq!(read.stack.component(ComponentRole::Scattered).unwrap().radiance.mean.rgb(7), [0.0; 3]);
+    assert!(matches!(&read.stack.components[..], [Component { role: ComponentRole::Scattered, .. }]));
     assert!((read.stack.beauty().mean_at(3) - (0..4).map(|b| image(3, b).mean_at(3)).sum::<f32>() / 4.0).abs() < 1e-5);
 
     std::fs::copy(&paths[0], &paths[2]).unwrap();

@@ -7,6 +7,8 @@ use crate::regression::field::Field;
 use crate::regression::lanes::{Lanes, MOST_LANES};
 use crate::regression::window::Window;
 
+/// A prediction that misses the pixel it is for by more than this many of its standard deviations loses weight.
+const CONFIDENCE: f32 = 3.0;
 /// Weighted sums of predictions: three colours, the error, the weight.
 pub(crate) const SUMS: usize = 5;
 /// A block's error is taken for no less than this share of the mean square of its pixel's colour.
@@ -68,12 +70,14 @@ impl Predictions {
         // Lanes past the end of the row stand on no pixel.
         let mut real = [0.0; MOST_LANES];
         real[..(field.size.width - window.x).min(MOST_LANES)].fill(1.0);
-        let trust = Lanes::load(simd, &real) / error;
+        let real = Lanes::load(simd, &real);
         for row in 0..window.rows.len() {
             for column in 0..=2 * field.radius {
-                let weight = trust * window.inside[column];
                 let predicted = blocks.prediction(field.radius, row, column);
-                let values = [predicted[0] + centre[0], predicted[1] + centre[1], predicted[2] + centre[2], error];
+                let predicted = [predicted[0] + centre[0], predicted[1] + centre[1], predicted[2] + centre[2]];
+                let missed = unexplained(simd, field, (window.x, window.rows.start + row, column), predicted);
+                let weight = real * window.inside[column] / (error + missed);
+                let values = [predicted[0], predicted[1], predicted[2], error];
                 for (i, value) in values.into_iter().enumerate() {
                     self.add_lanes(simd, row * SUMS + i, window.x + column, value * weight);
                 }
@@ -87,4 +91,22 @@ impl Predictions {
         let to = &mut self.sums[row * self.stride + x..];
         (Lanes::load(simd, to) + value).store(to);
     }
+}
+
+/// By how much the squared distance between `predicted` and the colour in picture row `y`, `column` of the window,
+/// exceeds what its noise explains; mean over channels.
+#[inline(always)]
+fn unexplained<S: Simd>(
+    simd: S,
+    field: &Field,
+    (x, y, column): (usize, usize, usize),
+    predicted: [Lanes<S>; 3],
+) -> Lanes<S> {
+    let mut sum = Lanes::splat(simd, 0.0);
+    for (c, predicted) in predicted.into_iter().enumerate() {
+        let value = Lanes::load(simd, &field.row(field.colour(c), x, y)[column..]);
+        let variance = Lanes::load(simd, &field.row(field.variance(c), x, y)[column..]);
+        sum += (predicted - value).squared() - variance * (CONFIDENCE * CONFIDENCE);
+    }
+    sum.positive_part() * (1.0 / 3.0)
 }

@@ -1,0 +1,111 @@
+//! Candidates mixed by how well each predicts the half it was not made from.
+
+use stack::Image;
+
+use super::features::GuideFeatures;
+use super::guided_kernel::GuidedKernel;
+use super::settings::ChoiceSettings;
+use super::split::Layers;
+use crate::box_filter::box_mean;
+
+/// Least error that the softness is relative to.
+const LEAST_ERROR: f32 = 1e-5;
+
+/// The mixture.
+#[derive(Clone, Debug)]
+pub struct Chosen {
+    /// Both halves.
+    pub halves: [Image; 2],
+    /// Estimated mean squared error of their mean, mean over RGB.
+    pub mse: Vec<f32>,
+}
+
+/// Mixes `candidates` (both halves of each).
+pub fn choose(
+    candidates: &[[Image; 2]],
+    layers: &Layers,
+    pilot: &Image,
+    features: &GuideFeatures,
+    settings: &ChoiceSettings,
+) -> Chosen {
+    let size = pilot.size();
+    let kernel = GuidedKernel::new(size, guides(pilot, features, settings));
+    let precision = precisions(candidates, layers, settings);
+    let errors: Vec<Vec<f32>> = candidates.iter().map(|halves| cross_errors(halves, layers, &precision)).collect();
+    let errors = kernel.smooth(&kernel.smooth(&errors, 1), 2);
+    let weights: Vec<Vec<f32>> =
+        soft_minimum(&errors, settings.softness).iter().map(|plane| box_mean(plane, size, 2)).collect();
+    let halves = [0, 1].map(|half: usize| mixture(candidates, &weights, half));
+    let mse = estimated_mse(&errors, &weights, &precision);
+    Chosen { halves, mse }
+}
+
+fn guides(pilot: &Image, features: &GuideFeatures, settings: &ChoiceSettings) -> Vec<Vec<f32>> {
+    let scale = std::f32::consts::FRAC_1_SQRT_2 / settings.feature_scale;
+    let mut planes = features.scaled_surfaces(scale);
+    let brightness = scale * settings.brightness.sqrt();
+    let logarithm = |v: &f32| brightness * (v + 0.02).max(0.01).ln();
+    planes.extend(pilot.channels().iter().map(|plane| plane.iter().map(logarithm).collect()));
+    planes
+}
+
+/// What a squared error counts at each pixel: n/(1 + 3 n v), n = 1/(luminance² + 0.01) with the mean luminance of all
+/// candidates, v the variance of a half.
+fn precisions(candidates: &[[Image; 2]], layers: &Layers, settings: &ChoiceSettings) -> Vec<f32> {
+    let images: Vec<&Image> = candidates.iter().flatten().collect();
+    let precision = |pixel: usize| {
+        let luminance = images.iter().map(|image| image.mean_at(pixel)).sum::<f32>() / images.len() as f32;
+        let relative = 1.0 / (luminance * luminance + 1e-2);
+        relative / (1.0 + settings.precision * relative * layers.variance.mean_at(pixel))
+    };
+    (0..layers.variance.pixels()).map(precision).collect()
+}
+
+/// Σ over halves and channels of (x − y)² − v, x one half's candidate and y the other's noisy value, times `precision`.
+fn cross_errors(halves: &[Image; 2], layers: &Layers, precision: &[f32]) -> Vec<f32> {
+    let error = |pixel: usize| {
+        let v = layers.variance.rgb(pixel);
+        let of_half = |half: usize| {
+            let (x, y) = (halves[half].rgb(pixel), layers.halves[1 - half].rgb(pixel));
+            (0..3).map(|c| (x[c] - y[c]).powi(2) - v[c]).sum::<f32>()
+        };
+        (of_half(0) + of_half(1)) * precision[pixel]
+    };
+    (0..precision.len()).map(error).collect()
+}
+
+/// Weights that fall with the error relative to the least one; they add up to 1 at every pixel.
+fn soft_minimum(errors: &[Vec<f32>], softness: f32) -> Vec<Vec<f32>> {
+    let mut weights = vec![vec![0.0; errors[0].len()]; errors.len()];
+    for pixel in 0..errors[0].len() {
+        let least = errors.iter().map(|plane| plane[pixel]).fold(f32::INFINITY, f32::min);
+        let scale = softness * least.max(LEAST_ERROR);
+        let weight = |plane: &Vec<f32>| (-(plane[pixel] - least) / scale).exp();
+        let total: f32 = errors.iter().map(weight).sum();
+        for (to, plane) in weights.iter_mut().zip(errors) {
+            to[pixel] = weight(plane) / total;
+        }
+    }
+    weights
+}
+
+fn mixture(candidates: &[[Image; 2]], weights: &[Vec<f32>], half: usize) -> Image {
+    let mut mixed = Image::zeros(candidates[0][half].size(), 3);
+    for (candidate, weights) in candidates.iter().zip(weights) {
+        for (sum, plane) in mixed.channels_mut().iter_mut().zip(candidate[half].channels()) {
+            for ((sum, value), weight) in sum.iter_mut().zip(plane).zip(weights) {
+                *sum += weight * value;
+            }
+        }
+    }
+    mixed
+}
+
+/// The mixture's cross-half error, made absolute again.
+fn estimated_mse(errors: &[Vec<f32>], weights: &[Vec<f32>], precision: &[f32]) -> Vec<f32> {
+    let mse = |pixel: usize| {
+        let error: f32 = errors.iter().zip(weights).map(|(e, w)| e[pixel] * w[pixel]).sum();
+        (error / (6.0 * precision[pixel])).max(0.0)
+    };
+    (0..precision.len()).map(mse).collect()
+}

@@ -1,0 +1,88 @@
+//! Features on natural scales, freed of noise by non-local means.
+
+use stack::{Cancelled, Feature, FeatureRole, FeatureStack, Monitor, SampleCounts};
+
+use super::settings::FeatureSettings;
+use crate::collaborative::Guide;
+use crate::nl_means::{nl_means, units};
+use crate::patch_distance::{Comparison, NoisyPlanes};
+use crate::prefilter::{FeatureSet, PrefilterError, VarianceSource, guides, normalised};
+use crate::variance::smoothed;
+
+/// Added to every variance: differences below its root are averaged away even where there is no noise.
+const LEAST_VARIANCE: f32 = 1e-6;
+
+/// Features that explain a picture, and those among them that tell surfaces apart.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GuideFeatures {
+    /// All of them. Albedo and visibility fill a range of 1, normals one of 2, positions one of 1 along the longest
+    /// side of their box.
+    pub set: FeatureSet,
+    /// Planes that tell surfaces apart: all but visibility.
+    pub surfaces: Vec<usize>,
+}
+
+impl GuideFeatures {
+    /// The planes that tell surfaces apart, multiplied by `scale`.
+    pub fn scaled_surfaces(&self, scale: f32) -> Vec<Vec<f32>> {
+        self.surfaces.iter().map(|plane| self.set.planes[*plane].iter().map(|v| v * scale).collect()).collect()
+    }
+}
+
+/// The features of `stack`, each group filtered by itself. Reports the stage `prefilter`.
+///
+/// # Errors
+/// When there is no feature, one has a wrong shape, or `monitor` cancels.
+pub fn guide_features(
+    stack: &FeatureStack,
+    settings: &FeatureSettings,
+    monitor: &dyn Monitor,
+) -> Result<GuideFeatures, PrefilterError> {
+    let features = guides(stack)?;
+    monitor.begin("prefilter", units(stack.size()) * features.len() as u64);
+    let set = FeatureSet { size: stack.size(), planes: Vec::new(), groups: Vec::new() };
+    let mut all = GuideFeatures { set, surfaces: Vec::new() };
+    for feature in features {
+        let planes = filtered(feature, &stack.samples, settings, monitor)?;
+        let first = all.set.planes.len();
+        all.set.groups.push(first..first + planes.len());
+        if feature.role != FeatureRole::Visibility {
+            all.surfaces.extend(first..first + planes.len());
+        }
+        all.set.planes.extend(planes);
+    }
+    Ok(all)
+}
+
+/// Factor from a range of [−1, 1] to the natural one.
+fn natural_scale(role: FeatureRole) -> f32 {
+    if role == FeatureRole::Normal { 1.0 } else { 0.5 }
+}
+
+fn filtered(
+    feature: &Feature,
+    counts: &SampleCounts,
+    settings: &FeatureSettings,
+    monitor: &dyn Monitor,
+) -> Result<Vec<Vec<f32>>, Cancelled> {
+    let scale = natural_scale(feature.role);
+    let normal = normalised(feature, counts, VarianceSource::Buckets);
+    let planes: Vec<Vec<f32>> =
+        normal.planes.into_iter().map(|plane| plane.into_iter().map(|v| scale * v).collect()).collect();
+    let variance = normal.variance.and_then(|variance| smoothed(&variance, settings.variance_radius));
+    let Some(variance) = variance else {
+        monitor.advance(units(feature.estimate.mean.size()));
+        return Ok(planes);
+    };
+    let variances: Vec<Vec<f32>> = variance
+        .into_channels()
+        .into_iter()
+        .map(|plane| plane.into_iter().map(|v| scale * scale * v + LEAST_VARIANCE).collect())
+        .collect();
+    let guide = Guide {
+        planes: NoisyPlanes { size: feature.estimate.mean.size(), values: &planes, variances: &variances },
+        comparison: Comparison { patch_radius: settings.patch_radius, epsilon: 1e-8, noise_taken_off: 1.0 },
+        radius: settings.radius,
+    };
+    nl_means(&guide, settings.bandwidth, &planes, monitor)
+}

@@ -1,0 +1,79 @@
+//! The second regression, guided by a pilot picture.
+
+use stack::{Cancelled, Image, Monitor};
+
+use super::features::GuideFeatures;
+use super::luminance;
+use super::settings::FitSettings;
+use super::split::Layers;
+use crate::box_filter::box_mean;
+use crate::collaborative::{Fitted, Guide, Kernel, Ridge, collaborate, rows_of, units};
+use crate::patch_distance::{Comparison, NoisyPlanes};
+
+/// Bandwidths of the candidates that are as wide as their window.
+const BANDWIDTHS: [f32; 3] = [0.7, 1.5, 3.0];
+
+/// Bandwidth of the candidate with a small window.
+const SMALL_BANDWIDTH: f32 = 1.5;
+
+/// What the second pass rests on.
+#[derive(Clone, Copy, Debug)]
+pub struct Guidance<'a> {
+    /// The pilot picture.
+    pub pilot: &'a Image,
+    /// The halves of the first pass.
+    pub first: &'a [Image; 2],
+    /// Relative noise ν.
+    pub noise: &'a [f32],
+}
+
+/// The candidates of the second pass: both halves of the low layer rebuilt with the same weights, for three bandwidths
+/// and a small window. Reports the stage `second pass`.
+///
+/// # Errors
+/// When `monitor` cancels.
+pub fn second_pass(
+    layers: &Layers,
+    guidance: &Guidance,
+    features: &GuideFeatures,
+    settings: &FitSettings,
+    monitor: &dyn Monitor,
+) -> Result<Vec<[Image; 2]>, Cancelled> {
+    let size = features.set.size;
+    let rows = rows_of(&features.set, [&layers.halves[0], &layers.halves[1]]);
+    let scale = tolerated(guidance, settings.tolerance);
+    let importance: Vec<f32> = luminance(guidance.pilot).iter().map(|m| 1.0 / (m * m + 1e-3)).collect();
+    let guide = Guide {
+        planes: NoisyPlanes { size, values: guidance.pilot.channels(), variances: &scale },
+        comparison: Comparison { patch_radius: 1, epsilon: 1e-8, noise_taken_off: 0.0 },
+        radius: settings.second_radius,
+    };
+    let fitted = Fitted {
+        rows: &rows,
+        importance: settings.relative.then_some(&importance[..]),
+        noise: guidance.noise,
+        ridge: Ridge { least: settings.ridge, per_noise: settings.ridge_noise },
+        stride: settings.stride,
+    };
+    let mut kernels = BANDWIDTHS.map(|bandwidth| Kernel { bandwidth, sigma: f32::INFINITY }).to_vec();
+    kernels.push(Kernel { bandwidth: SMALL_BANDWIDTH, sigma: settings.small_sigma });
+    monitor.begin("second pass", units(size, settings.stride));
+    collaborate(&fitted, &guide, &kernels, monitor)
+}
+
+/// τ, the squared difference in the pilot that is tolerated: (A − B)²/4 of the first pass smoothed twice over 5×5
+/// pixels, and `tolerance` · (L² + 0.001), L the pilot's luminance.
+fn tolerated(guidance: &Guidance, tolerance: f32) -> Vec<Vec<f32>> {
+    let size = guidance.pilot.size();
+    let pilot = luminance(guidance.pilot);
+    let [a, b] = [0, 1].map(|half: usize| guidance.first[half].channels());
+    a.iter()
+        .zip(b)
+        .map(|(a, b)| {
+            let spread: Vec<f32> = a.iter().zip(b).map(|(a, b)| 0.25 * (a - b) * (a - b)).collect();
+            let mut smooth = box_mean(&box_mean(&spread, size, 2), size, 2);
+            smooth.iter_mut().zip(&pilot).for_each(|(s, m)| *s += tolerance * (m * m + 1e-3));
+            smooth
+        })
+        .collect()
+}

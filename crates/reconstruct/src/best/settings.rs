@@ -1,0 +1,106 @@
+//! Settings of the project's own method.
+
+stack::knobs! {
+    /// How light is split into a low layer and events.
+    pub struct SplitSettings("split") {
+        /// A bucket is cut where it exceeds this multiple of what its surroundings reach.
+        factor: f32 = 2.0, 1.0..=1000.0;
+        /// What the surroundings reach: this quantile of all their buckets, 0 to 1.
+        quantile: f32 = 0.97, 0.0..=1.0;
+        /// Radius of the surroundings, in pixels.
+        radius: usize = 2, 1..=8;
+    }
+}
+
+stack::knobs! {
+    /// How features are freed of noise before they guide a collaborative fit.
+    pub struct FeatureSettings("features") {
+        /// Bandwidth k of the non-local means.
+        bandwidth: f32 = 1.2, 0.01..=100.0;
+        /// Radius of its window, in pixels.
+        radius: usize = 5, 0..=32;
+        /// Radius of its patches, in pixels.
+        patch_radius: usize = 2, 0..=8;
+        /// Radius of the box that smooths the variance of features, in pixels.
+        variance_radius: usize = 1, 0..=16;
+    }
+}
+
+stack::knobs! {
+    /// The collaborative regressions.
+    pub struct FitSettings("fit") {
+        /// Distance between the pixels that carry a fit; the pixels between them are predicted by their neighbours'.
+        stride: usize = 2, 1..=8;
+        /// Radius of the first pass's window, in pixels.
+        first_radius: usize = 9, 1..=32;
+        /// Radius of the second pass's window, in pixels.
+        second_radius: usize = 12, 1..=32;
+        /// Ridge without noise, relative to features of unit scale.
+        ridge: f32 = 1e-5, 1e-9..=1.0;
+        /// Ridge per relative variance: the noisier the pixels, the flatter the fit.
+        ridge_noise: f32 = 0.2, 0.0..=1000.0;
+        /// Differences in the pilot picture below the root of this share of its squared luminance count little.
+        tolerance: f32 = 0.005, 1e-6..=1.0;
+        /// Deviation of the candidate with a small window, in pixels.
+        small_sigma: f32 = 3.0, 0.3..=100.0;
+        /// Whether residuals count relative to the pilot's brightness, so that bright pixels do not smear into dark
+        /// ones.
+        relative: bool = true, ..;
+    }
+}
+
+stack::knobs! {
+    /// How events are spread.
+    pub struct SpreadSettings("spread") {
+        /// Events that an event's surroundings must hold before it is spread no wider.
+        events: f32 = 8.0, 1.0..=1000.0;
+        /// Weight of a difference in the logarithm of brightness against one in features.
+        brightness: f32 = 0.5, 0.0..=100.0;
+        /// Scale of the differences between features that separate surfaces.
+        feature_scale: f32 = 0.3, 0.01..=10.0;
+    }
+}
+
+stack::knobs! {
+    /// What is added to the pilot picture from the residual.
+    pub struct CascadeSettings("cascade") {
+        /// Multiple of the residual's variance that its square must exceed.
+        significance: f32 = 2.0, 0.0..=1000.0;
+        /// Scales, each twice as coarse as the one before.
+        levels: usize = 6, 0..=10;
+        /// Scale of the differences between features that separate surfaces.
+        feature_scale: f32 = 0.3, 0.01..=10.0;
+    }
+}
+
+stack::knobs! {
+    /// How candidates are mixed.
+    pub struct ChoiceSettings("choice") {
+        /// A candidate's weight falls by e for each this much more error, relative to the least.
+        softness: f32 = 0.3, 0.001..=100.0;
+        /// Weight of noise against error: noisy pixels say less about which candidate is right.
+        precision: f32 = 3.0, 0.0..=1000.0;
+        /// Weight of a squared difference in the logarithm of the pilot against one in features.
+        brightness: f32 = 0.2, 0.0..=100.0;
+        /// Scale of the differences between features that separate surfaces.
+        feature_scale: f32 = 0.3, 0.01..=10.0;
+    }
+}
+
+stack::knob_groups! {
+    /// Settings of all its steps.
+    pub struct BestSettings {
+        /// Low layer and events.
+        split: SplitSettings,
+        /// Features.
+        features: FeatureSettings,
+        /// Regressions.
+        regression: FitSettings,
+        /// Events.
+        spread: SpreadSettings,
+        /// Residual.
+        cascade: CascadeSettings,
+        /// Candidates.
+        choice: ChoiceSettings,
+    }
+}

@@ -1,0 +1,200 @@
+//! Light split into a low layer, which a regression can follow, and events, which it cannot.
+//!
+//! This is the paper's split into low rank and sparse (its section 4.1) where the assumption holds: across buckets the
+//! truth is the same and a firefly is in one of them.
+
+use rayon::prelude::*;
+use stack::{Component, Image, Noise, SampleCounts, Size};
+
+use super::settings::SplitSettings;
+use crate::box_filter::box_mean;
+use crate::pipeline::ReconstructError;
+use crate::variance::known_everywhere;
+
+/// Least variance of a half.
+const LEAST_VARIANCE: f32 = 1e-7;
+
+/// Least luminance that anything is cut at.
+const LEAST_CAP: f32 = 1e-4;
+
+/// A component in two layers.
+#[derive(Clone, Debug)]
+pub struct Layers {
+    /// The low layer's half-buffers.
+    pub halves: [Image; 2],
+    /// Variance of a half's mean, ½ its own and ½ that of 3×3 pixels.
+    pub variance: Image,
+    /// What was cut off.
+    pub events: Events,
+}
+
+/// The sparse layer. An event is what was cut off one bucket at one pixel.
+#[derive(Clone, Debug)]
+pub struct Events {
+    /// Mean radiance that was cut off, three channels.
+    pub light: Image,
+    /// Σ e over a pixel's events, e the RGB sum of one.
+    pub energy: Vec<f32>,
+    /// Σ e².
+    pub squares: Vec<f32>,
+}
+
+/// Splits `component`.
+///
+/// # Errors
+/// When its noise does not come in buckets.
+pub fn split(
+    component: &Component,
+    counts: &SampleCounts,
+    settings: &SplitSettings,
+) -> Result<Layers, ReconstructError> {
+    let Noise::Buckets(buckets) = &component.radiance.noise else {
+        return Err(ReconstructError::NoBuckets { layer: component.role.layer() });
+    };
+    let size = component.radiance.mean.size();
+    let luminances: Vec<Vec<f32>> =
+        buckets.par_iter().map(|bucket| (0..size.pixels()).map(|i| bucket.mean_at(i)).collect()).collect();
+    let task = SplitTask { size, buckets, luminances: &luminances, counts, settings };
+    let pixels: Vec<SplitPixel> = (0..size.pixels()).into_par_iter().map(|pixel| task.pixel(pixel)).collect();
+    let image = |value: &dyn Fn(&SplitPixel) -> [f32; 3]| {
+        Image::from_channels(size, (0..3).map(|c| pixels.iter().map(|p| value(p)[c]).collect()).collect())
+    };
+    let halves = [0, 1].map(|half| image(&|p| p.halves[half]));
+    let variance = known_everywhere(image(&|p| p.variance), &halves[0]);
+    Ok(Layers {
+        halves,
+        variance: steadied(variance),
+        events: Events {
+            light: image(&|p| p.light),
+            energy: pixels.iter().map(|p| p.energy).collect(),
+            squares: pixels.iter().map(|p| p.squares).collect(),
+        },
+    })
+}
+
+/// ½ its own and ½ that of the 3×3 pixels around it.
+fn steadied(mut variance: Image) -> Image {
+    let size = variance.size();
+    for plane in variance.channels_mut() {
+        let smooth = box_mean(plane, size, 1);
+        plane.iter_mut().zip(&smooth).for_each(|(v, s)| *v = 0.5 * *v + 0.5 * s + LEAST_VARIANCE);
+    }
+    variance
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct SplitPixel {
+    halves: [[f32; 3]; 2],
+    variance: [f32; 3],
+    light: [f32; 3],
+    energy: f32,
+    squares: f32,
+}
+
+struct SplitTask<'a> {
+    size: Size,
+    buckets: &'a [Image],
+    luminances: &'a [Vec<f32>],
+    counts: &'a SampleCounts,
+    settings: &'a SplitSettings,
+}
+
+impl SplitTask<'_> {
+    fn samples(&self, pixel: usize, bucket: usize) -> f32 {
+        self.counts.in_group(pixel, bucket, self.buckets.len()) as f32
+    }
+
+    /// Luminance above which a bucket is cut: the larger of a multiple of what the surroundings reach, and the upper
+    /// quartile of the pixel's own buckets.
+    fn cap(&self, pixel: usize) -> f32 {
+        let reached = self.settings.factor * self.reached_around(pixel);
+        let mut own: Vec<f32> = self.filled(pixel).map(|bucket| self.luminances[bucket][pixel]).collect();
+        let quartile = (own.len() * 3 / 4).min(own.len().saturating_sub(1));
+        let quartile = if own.is_empty() { 0.0 } else { *own.select_nth_unstable_by(quartile, f32::total_cmp).1 };
+        reached.max(quartile).max(LEAST_CAP)
+    }
+
+    fn filled(&self, pixel: usize) -> impl Iterator<Item = usize> {
+        (0..self.buckets.len()).filter(move |bucket| self.samples(pixel, *bucket) > 0.0)
+    }
+
+    /// The quantile of all buckets of the surroundings.
+    fn reached_around(&self, pixel: usize) -> f32 {
+        let (x, y, radius) = (pixel % self.size.width, pixel / self.size.width, self.settings.radius);
+        let mut values = Vec::with_capacity((2 * radius + 1).pow(2) * self.buckets.len());
+        for row in y.saturating_sub(radius)..(y + radius + 1).min(self.size.height) {
+            for column in x.saturating_sub(radius)..(x + radius + 1).min(self.size.width) {
+                let near = self.size.index(column, row);
+                values.extend(self.filled(near).map(|bucket| self.luminances[bucket][near]));
+            }
+        }
+        if values.is_empty() {
+            return 0.0;
+        }
+        let rank = ((values.len() - 1) as f32 * self.settings.quantile) as usize;
+        *values.select_nth_unstable_by(rank, f32::total_cmp).1
+    }
+
+    fn pixel(&self, pixel: usize) -> SplitPixel {
+        let cap = self.cap(pixel);
+        let mut sums = BucketSums::default();
+        for bucket in self.filled(pixel) {
+            let radiance = self.buckets[bucket].rgb(pixel);
+            let kept = (cap / self.luminances[bucket][pixel].max(1e-9)).min(1.0);
+            sums.add(bucket, self.samples(pixel, bucket), radiance, kept);
+        }
+        let mut split = sums.finish();
+        split.variance = self.variance(pixel, cap, &split.halves);
+        split
+    }
+
+    /// Variance of a half's mean, from the spread of the low layer's buckets; NaN with fewer than two.
+    fn variance(&self, pixel: usize, cap: f32, halves: &[[f32; 3]; 2]) -> [f32; 3] {
+        let [a, b] = [0, 1].map(|half| self.counts.in_group(pixel, half, 2) as f32);
+        let mut squares = [0.0; 3];
+        for bucket in self.filled(pixel) {
+            let radiance = self.buckets[bucket].rgb(pixel);
+            let kept = (cap / self.luminances[bucket][pixel].max(1e-9)).min(1.0);
+            for c in 0..3 {
+                let mean = (a * halves[0][c] + b * halves[1][c]) / (a + b);
+                squares[c] += self.samples(pixel, bucket) * (kept * radiance[c] - mean).powi(2);
+            }
+        }
+        let filled = self.filled(pixel).count();
+        let scale = if filled < 2 { f32::NAN } else { 2.0 / ((filled - 1) as f32 * (a + b)) };
+        squares.map(|s| s * scale)
+    }
+}
+
+/// Sums over the buckets of one pixel.
+#[derive(Default)]
+struct BucketSums {
+    low: [[f32; 3]; 2],
+    samples: [f32; 2],
+    cut: [f32; 3],
+    energy: f32,
+    squares: f32,
+}
+
+impl BucketSums {
+    fn add(&mut self, bucket: usize, samples: f32, radiance: [f32; 3], kept: f32) {
+        let half = bucket % 2;
+        self.samples[half] += samples;
+        for c in 0..3 {
+            self.low[half][c] += samples * kept * radiance[c];
+            self.cut[c] += samples * (1.0 - kept) * radiance[c];
+        }
+        let event = samples * (1.0 - kept) * radiance.iter().sum::<f32>();
+        self.energy += event;
+        self.squares += event * event;
+    }
+
+    /// A half without samples repeats the other.
+    fn finish(self) -> SplitPixel {
+        let total = self.samples[0] + self.samples[1];
+        let half = |half: usize| if self.samples[half] > 0.0 { half } else { 1 - half };
+        let halves = [half(0), half(1)].map(|half| self.low[half].map(|v| v / self.samples[half].max(1.0)));
+        let light = self.cut.map(|v| v / total.max(1.0));
+        SplitPixel { halves, light, energy: self.energy, squares: self.squares, ..SplitPixel::default() }
+    }
+}

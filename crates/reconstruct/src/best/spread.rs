@@ -1,0 +1,130 @@
+//! Events spread over the pixels that resemble their own: their light is real, only its place is chance.
+
+use rayon::prelude::*;
+use stack::{Image, Size};
+
+use super::features::GuideFeatures;
+use super::luminance;
+use super::settings::SpreadSettings;
+use super::split::Events;
+use crate::exp::exp_of_negative;
+use crate::rectangle::{Rectangle, tiles_of};
+
+/// Deviations to choose from, in pixels.
+const SIGMAS: [f32; 9] = [0.4, 0.7, 1.0, 1.5, 2.2, 3.3, 5.0, 7.0, 9.0];
+
+/// Radius of the disc in which events are counted, in deviations.
+const COUNTED: f32 = 1.5;
+
+/// Radius at which kernels end, in deviations and in pixels.
+const REACH: f32 = 2.5;
+const LARGEST_REACH: usize = 20;
+
+/// Side of the tiles whose events are spread together.
+const TILE: usize = 64;
+
+/// The light of `events`, spread. Each is spread just so wide that the surroundings it shares hold enough others; its
+/// kernel is a Gaussian times the likeness of pixels in `features` and in the brightness of `picture`, and sums to one.
+pub fn spread(events: &Events, picture: &Image, features: &GuideFeatures, settings: &SpreadSettings) -> Image {
+    let size = picture.size();
+    let task = SpreadTask { size, events, guides: guides(picture, features, settings), settings };
+    let tiles = tiles_of(size, TILE);
+    let parts: Vec<(Rectangle, Vec<[f32; 3]>)> = tiles.par_iter().map(|tile| task.tile(*tile)).collect();
+    let mut light = Image::zeros(size, 3);
+    for (place, part) in &parts {
+        for (i, value) in part.iter().enumerate() {
+            let pixel = size.index(place.x0 + i % place.width(), place.y0 + i / place.width());
+            light.channels_mut().iter_mut().zip(value).for_each(|(plane, v)| plane[pixel] += v);
+        }
+    }
+    light
+}
+
+/// One row per pixel: what separates pixels, scaled so that their likeness is exp(−Σ Δ²).
+fn guides(picture: &Image, features: &GuideFeatures, settings: &SpreadSettings) -> Vec<Vec<f32>> {
+    let scale = std::f32::consts::FRAC_1_SQRT_2 / settings.feature_scale;
+    let mut planes = features.scaled_surfaces(scale);
+    let brightness = |l: &f32| scale * settings.brightness * (l + 0.01).max(0.005).ln();
+    planes.push(luminance(picture).iter().map(brightness).collect());
+    (0..picture.pixels()).map(|pixel| planes.iter().map(|plane| plane[pixel]).collect()).collect()
+}
+
+struct SpreadTask<'a> {
+    size: Size,
+    events: &'a Events,
+    guides: Vec<Vec<f32>>,
+    settings: &'a SpreadSettings,
+}
+
+impl SpreadTask<'_> {
+    /// The light of the events of `tile`, and where it lies.
+    fn tile(&self, tile: Rectangle) -> (Rectangle, Vec<[f32; 3]>) {
+        let place = tile.grown(LARGEST_REACH, self.size);
+        let mut light = vec![[0.0; 3]; place.width() * place.height()];
+        let mut kernel = Vec::new();
+        for y in tile.y0..tile.y1 {
+            for x in tile.x0..tile.x1 {
+                if self.events.energy[self.size.index(x, y)] > 0.0 {
+                    self.spread_one([x, y], place, &mut kernel, &mut light);
+                }
+            }
+        }
+        (place, light)
+    }
+
+    fn spread_one(&self, [x, y]: [usize; 2], place: Rectangle, kernel: &mut Vec<(usize, f32)>, light: &mut [[f32; 3]]) {
+        let pixel = self.size.index(x, y);
+        let sigma = self.sigma([x, y]);
+        kernel.clear();
+        for ([column, row], squared) in self.disc([x, y], (REACH * sigma).max(0.3)) {
+            let weight =
+                exp_of_negative(-squared / (2.0 * sigma * sigma)) * self.likeness(pixel, self.size.index(column, row));
+            kernel.push(((row - place.y0) * place.width() + column - place.x0, weight));
+        }
+        let norm: f32 = kernel.iter().map(|(_, weight)| weight).sum();
+        let own = self.events.light.rgb(pixel).map(|v| v / norm);
+        for (at, weight) in kernel.iter() {
+            light[*at].iter_mut().zip(own).for_each(|(sum, v)| *sum += weight * v);
+        }
+    }
+
+    /// The least deviation whose surroundings hold enough events: Σγe squared over Σγe² counts them.
+    fn sigma(&self, [x, y]: [usize; 2]) -> f32 {
+        let pixel = self.size.index(x, y);
+        let mut rings = [[0.0_f32; 2]; SIGMAS.len()];
+        for ([column, row], squared) in self.disc([x, y], COUNTED * SIGMAS[SIGMAS.len() - 1]) {
+            let near = self.size.index(column, row);
+            if self.events.energy[near] > 0.0 {
+                let ring = SIGMAS.partition_point(|sigma| squared > (COUNTED * sigma).powi(2));
+                let likeness = self.likeness(pixel, near);
+                if let Some(ring) = rings.get_mut(ring) {
+                    ring[0] += likeness * self.events.energy[near];
+                    ring[1] += likeness * self.events.squares[near];
+                }
+            }
+        }
+        let mut sums = [0.0; 2];
+        for (ring, sigma) in rings.iter().zip(SIGMAS) {
+            sums = [sums[0] + ring[0], sums[1] + ring[1]];
+            if sums[0] * sums[0] >= self.settings.events * sums[1] {
+                return sigma;
+            }
+        }
+        SIGMAS[SIGMAS.len() - 1]
+    }
+
+    /// Pixels of the image within `radius` of a pixel and within the largest reach, with their squared distance.
+    fn disc(&self, [x, y]: [usize; 2], radius: f32) -> impl Iterator<Item = ([usize; 2], f32)> {
+        let reach = (radius.ceil() as usize).min(LARGEST_REACH);
+        let columns = x.saturating_sub(reach)..(x + reach + 1).min(self.size.width);
+        (y.saturating_sub(reach)..(y + reach + 1).min(self.size.height))
+            .flat_map(move |row| columns.clone().map(move |column| [column, row]))
+            .map(move |[column, row]| ([column, row], (column.abs_diff(x).pow(2) + row.abs_diff(y).pow(2)) as f32))
+            .filter(move |(_, squared)| *squared <= radius * radius)
+    }
+
+    fn likeness(&self, p: usize, q: usize) -> f32 {
+        let squares = self.guides[p].iter().zip(&self.guides[q]).map(|(p, q)| (p - q) * (p - q));
+        exp_of_negative(-squares.sum::<f32>())
+    }
+}

@@ -1,0 +1,133 @@
+//! Collaborative local regression: every fit predicts its whole window, and predictions are averaged by weight.
+//!
+//! Weights come from distances between patches of a guide, as in Bitterli et al. 2016, section 5. Because neighbouring
+//! fits predict the same pixels, only some pixels need to carry one: those of a lattice, and whatever the lattice leaves
+//! uncovered.
+
+mod distances;
+mod moments;
+mod plane;
+mod row;
+mod sums;
+mod tile;
+
+use rayon::prelude::*;
+use stack::{Cancelled, Image, Monitor, Size};
+
+use crate::patch_distance::{Comparison, NoisyPlanes};
+use crate::rectangle::{Rectangle, tiles_of};
+pub use distances::{WindowDistances, offsets};
+pub use row::{FEATURES, Row, rows_of};
+use sums::Sums;
+use tile::fit_tile;
+
+/// Which pixels resemble each other.
+#[derive(Clone, Copy, Debug)]
+pub struct Guide<'a> {
+    /// The planes that are compared.
+    pub planes: NoisyPlanes<'a>,
+    /// How their patches are compared.
+    pub comparison: Comparison,
+    /// Radius of the window, in pixels.
+    pub radius: usize,
+}
+
+/// Weight exp(−D/k² − d²/(2σ²)) of a pixel whose patch has distance D, d pixels away.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kernel {
+    /// Bandwidth k of the guide.
+    pub bandwidth: f32,
+    /// Deviation σ in pixels; infinite where only the guide counts.
+    pub sigma: f32,
+}
+
+/// What is fitted. Everything has the size of the guide.
+#[derive(Clone, Copy, Debug)]
+pub struct Fitted<'a> {
+    /// Features and responses.
+    pub rows: &'a [Row],
+    /// Factor on the weight of a residual, > 0; it does not touch the averaging of predictions. `None`: 1.
+    pub importance: Option<&'a [f32]>,
+    /// Relative variance ν of the responses, for the ridge.
+    pub noise: &'a [f32],
+    /// Strength of the ridge.
+    pub ridge: Ridge,
+    /// Distance between the pixels that carry a fit.
+    pub stride: usize,
+}
+
+/// The ridge λ = `least` + `per_noise` · Σ k² ν/(Σ w)², added to the variance of every feature: the fewer and noisier
+/// the pixels, the flatter the fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ridge {
+    /// λ without noise.
+    pub least: f32,
+    /// Factor on the noise.
+    pub per_noise: f32,
+}
+
+/// Fits along a side of the tiles that are worked on one by one.
+const FITS: usize = 16;
+
+/// Tiles whose sums are held before they are added to the picture, in order.
+const WAVE: usize = 32;
+
+/// A pixel on which fits weigh less than one at the pixel itself would gets a fit of its own.
+const COVERED: f32 = 1.0;
+
+/// Predicts both halves of every pixel once per kernel. Reports one unit per tile.
+///
+/// # Errors
+/// When `monitor` cancels.
+pub fn collaborate(
+    fitted: &Fitted,
+    guide: &Guide,
+    kernels: &[Kernel],
+    monitor: &dyn Monitor,
+) -> Result<Vec<[Image; 2]>, Cancelled> {
+    let size = guide.planes.size;
+    let mut sums: Vec<Sums> = kernels.iter().map(|_| Sums::zeros(size)).collect();
+    let stride = fitted.stride;
+    let on_lattice = |x: usize, y: usize| x % stride == stride / 2 && y % stride == stride / 2;
+    sweep(fitted, guide, kernels, &mut sums, |_, x, y| on_lattice(x, y), monitor)?;
+    if stride > 1 {
+        let bare: Vec<Vec<bool>> = sums.iter().map(|sums| sums.lighter_than(COVERED)).collect();
+        sweep(fitted, guide, kernels, &mut sums, |kernel, x, y| bare[kernel][size.index(x, y)], monitor)?;
+    }
+    Ok(sums.into_iter().map(Sums::into_halves).collect())
+}
+
+/// How many units [`collaborate`] reports.
+pub fn units(size: Size, stride: usize) -> u64 {
+    let tiles = tiles_of(size, FITS * stride).len() as u64;
+    if stride > 1 { 2 * tiles } else { tiles }
+}
+
+/// Adds the fits at the pixels that each kernel wants.
+fn sweep(
+    fitted: &Fitted,
+    guide: &Guide,
+    kernels: &[Kernel],
+    sums: &mut [Sums],
+    wants: impl Fn(usize, usize, usize) -> bool + Sync,
+    monitor: &dyn Monitor,
+) -> Result<(), Cancelled> {
+    let size = guide.planes.size;
+    for wave in tiles_of(size, FITS * fitted.stride).chunks(WAVE) {
+        let parts: Vec<Vec<(Rectangle, Sums)>> = wave
+            .par_iter()
+            .map(|tile| {
+                if monitor.cancelled() {
+                    return Err(Cancelled);
+                }
+                let parts = fit_tile(fitted, guide, kernels, *tile, &wants);
+                monitor.advance(1);
+                Ok(parts)
+            })
+            .collect::<Result<_, _>>()?;
+        sums.par_iter_mut().enumerate().for_each(|(kernel, sums)| {
+            parts.iter().filter_map(|part| part.get(kernel)).for_each(|(place, part)| sums.add(*place, part));
+        });
+    }
+    Ok(())
+}
