@@ -7,11 +7,14 @@
 //! by the inverse of their errors. Spikes are parted from the picture first and their energy is given back at the end
 //! (`outliers`).
 //!
-//! Two things are not the authors': features come from the propagation filter that ours uses, not from polynomials of
-//! their own; and how a spike is told from detail, for which the paper leaves no formula that we know of.
+//! Where we know of no formula or program of the authors', this is ours: how a spike is told from detail; features come
+//! from the propagation filter that ours uses, not from polynomials of their own; and blocks that contradict the pixels
+//! they predict beyond their noise lose weight (`row`) and give way to them (`guard`), without which a few pixels at
+//! lamps and black frames outweigh all others.
 
 mod block;
 mod factor;
+mod guard;
 mod outliers;
 mod row;
 #[cfg(test)]
@@ -32,9 +35,9 @@ stack::knobs! {
     /// Adaptive polynomial rendering (Moon et al. 2016).
     pub struct AprSettings("apr") {
         /// Radius r of the blocks of (2r+1)² pixels.
-        radius: usize = 9, 2..=31;
+        radius: usize = 7, 2..=31;
         /// Blocks stand around the pixels of every n-th row; this is n.
-        stride: usize = 4, 1..=16;
+        stride: usize = 2, 1..=16;
         /// Highest order of the polynomials (section 3).
         highest_order: usize = 3, 0..=3;
         /// Stages of the error estimate (section 4).
@@ -62,12 +65,13 @@ pub fn rebuild(
     let AprSettings { radius, outlier, .. } = settings.apr;
     let parted = outliers::part(radiance, variance, outlier, radius);
     let fit = fit_polynomials(&parted.colour, &parted.variance, &features, &settings.apr, monitor)?;
-    let mut picture = fit.picture;
+    let (mut picture, mut mse) = (fit.picture, fit.mse);
+    guard::hold_to_input(&mut picture, &mut mse, &parted.colour, &parted.variance);
     picture.add(&parted.energy);
     for channel in picture.channels_mut() {
         channel.iter_mut().for_each(|value| *value = value.max(0.0));
     }
-    Ok(Reconstruction { mse: fit.mse, marked: parted.count, ..Reconstruction::plain(picture) })
+    Ok(Reconstruction { mse, marked: parted.count, ..Reconstruction::plain(picture) })
 }
 
 /// A picture put together from blocks.
