@@ -14,7 +14,7 @@ use reconstruct::prefilter::{FeatureSet, PrefilterSettings, prefilter};
 use reconstruct::regression::{RegressionInput, RegressionSettings, regress};
 use reconstruct::spikes::{SpikeFree, SpikeSettings, remove_spikes};
 use reconstruct::variance::known_everywhere;
-use reconstruct::{Settings, reconstruct};
+use reconstruct::{Fit, MethodSettings, Settings, reconstruct};
 use stack::{ComponentRole, FeatureStack, Image, Silent, Size};
 use support::random::Random;
 use support::step_times::StepTimes;
@@ -82,13 +82,17 @@ fn stages(criterion: &mut Criterion) {
             bencher.iter(|| regress(&stages.regression_input(), &settings, &Silent));
         });
     }
-    group.bench_function("reconstruct", |bencher| {
-        bencher.iter(|| reconstruct(&stages.stack, &Settings::default(), &Silent));
-    });
+    for (name, fit) in [("best", Fit::Collaborative), ("paper", Fit::Local)] {
+        group.bench_function(name, |bencher| bencher.iter(|| reconstruct(&stages.stack, &whole(fit), &Silent)));
+    }
     distribution(&mut group, &stages.stack);
     group.finish();
     print_steps(&stages);
     yardsticks(criterion, stages.planes());
+}
+
+fn whole(fit: Fit) -> Settings {
+    Settings { method: MethodSettings { fit, ..MethodSettings::DEFAULT }, ..Settings::default() }
 }
 
 /// Where the next samples go.

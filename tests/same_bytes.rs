@@ -30,15 +30,17 @@ fn another_seed_gives_another_picture() {
 #[test]
 fn denoise_repeats_render_bit_for_bit() {
     let workplace = Workplace::new();
-    workplace.must(&format!("{RENDER} --spike-threshold 1.5 -o a.exr"));
-    workplace.must("denoise a.exr -o b.exr --aov all --quiet");
-    assert_eq!(workplace.bytes("a.exr"), workplace.bytes("b.exr"));
+    for flags in ["--preset best", "--preset paper --spike-threshold 1.5", "--method ld"] {
+        workplace.must(&format!("{RENDER} {flags} -o a.exr"));
+        workplace.must("denoise a.exr -o b.exr --aov all --quiet");
+        assert_eq!(workplace.bytes("a.exr"), workplace.bytes("b.exr"), "{flags}");
+    }
 }
 
 #[test]
 fn result_layers_of_the_input_are_never_read() {
     let workplace = Workplace::new();
-    workplace.must(&format!("{RENDER} -o a.exr"));
+    workplace.must(&format!("{RENDER} --preset paper -o a.exr"));
     let mut layers = Layers::read(&workplace.path("a.exr")).unwrap();
     let mut overwritten = 0;
     for channel in &mut layers.channels {

@@ -68,18 +68,18 @@ pub struct OutputArgs {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preset {
-    /// The paper to the letter.
-    #[default]
-    Paper,
     /// Two passes of collaborative regression.
+    #[default]
     Best,
+    /// The paper to the letter.
+    Paper,
 }
 
 /// How the picture is reconstructed.
 #[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "Picture")]
 pub struct PictureArgs {
-    /// Settings to start from; single flags override it [default: paper, or what the stack was made with].
+    /// Settings to start from; single flags override it [default: best, or what the stack was made with].
     #[arg(long, value_enum)]
     pub preset: Option<Preset>,
 }

@@ -40,10 +40,10 @@ impl Settings {
     /// The settings of a preset.
     pub fn of(preset: Preset) -> Self {
         match preset {
-            Preset::Paper => Self::default(),
-            Preset::Best => {
+            Preset::Best => Self::default(),
+            Preset::Paper => {
                 let mut settings = Self::default();
-                settings.reconstruction.method.fit = Fit::Collaborative;
+                settings.reconstruction.method.fit = Fit::Local;
                 settings
             }
         }

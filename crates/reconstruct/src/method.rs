@@ -37,6 +37,6 @@ stack::knobs! {
         method: Method = Method::Ours, ..;
         /// How ours rebuilds: local is the paper's regression at every pixel, collaborative two passes of fits that
         /// predict their whole window.
-        fit: Fit = Fit::Local, ..;
+        fit: Fit = Fit::Collaborative, ..;
     }
 }

@@ -10,7 +10,7 @@ use crate::rivals::wlr::WlrSettings;
 use crate::spikes::SpikeSettings;
 
 stack::knob_groups! {
-    /// Settings of all stages. The default is the paper's method as `docs/method.md` settles it.
+    /// Settings of all stages.
     pub struct Settings {
         /// Which method is used.
         method: MethodSettings,

@@ -18,7 +18,8 @@ use crate::progress::Progress;
 /// A name, and the preset and flags that make it.
 type Entry = (&'static str, Preset, Flags);
 
-const METHODS: &[Entry] = &[("ld", Preset::Paper, &[("method", "ld")]), ("paper", Preset::Paper, &[])];
+const METHODS: &[Entry] =
+    &[("ld", Preset::Paper, &[("method", "ld")]), ("paper", Preset::Paper, &[]), ("best", Preset::Best, &[])];
 
 /// The row that the others are divided by.
 const RIVAL: &str = "oidn";

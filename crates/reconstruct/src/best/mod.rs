@@ -35,9 +35,11 @@ pub fn rebuild(
     settings: &BestSettings,
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
+    monitor.begin("spikes", 1);
     let layers = split::split(component, &stack.samples, &settings.split)?;
     let noise = relative_noise(&layers);
     let first = first_pass::first_pass(&layers, &noise, features, &settings.regression, monitor)?;
+    monitor.begin("spread", 1);
     let spread = spread::spread(&layers.events, &mean_of(&first), features, &settings.spread);
     let mut pilot = mean_of(&first);
     pilot.add(&spread);
@@ -45,6 +47,7 @@ pub fn rebuild(
     let second = second_pass::Guidance { pilot: &pilot, first: &first, noise: &noise };
     let mut candidates = vec![first.clone()];
     candidates.extend(second_pass::second_pass(&layers, &second, features, &settings.regression, monitor)?);
+    monitor.begin("choice", 1);
     let chosen = choice::choose(&candidates, &layers, &pilot, features, &settings.choice);
     let mut picture = mean_of(&chosen.halves);
     picture.add(&spread);

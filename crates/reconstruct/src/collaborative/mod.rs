@@ -10,6 +10,7 @@ mod plane;
 mod row;
 mod sums;
 mod tile;
+mod window;
 
 use rayon::prelude::*;
 use stack::{Cancelled, Image, Monitor, Size};

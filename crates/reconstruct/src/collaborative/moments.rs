@@ -1,98 +1,51 @@
 //! Weighted first and second moments of a window, for the normal equations.
 
-use super::row::{FEATURES, Row, WIDTH};
+use pulp::Simd;
 
-/// A pixel of the window that has a say.
-#[derive(Clone, Copy, Debug)]
-pub struct Neighbour {
-    /// Its index.
-    pub pixel: u32,
-    /// Its index in the sums of the tile.
-    pub place: u32,
-    /// Weight with which it takes the fit's prediction.
-    pub kernel: f32,
-    /// Weight of its residual in the fit.
-    pub weight: f32,
-}
+use super::row::{FEATURES, Row, WIDTH};
 
 /// Moments about the window's weighted mean, divided by the sum of weights.
 #[derive(Clone, Copy, Debug)]
 pub struct Moments {
     /// Covariances of each feature with all features and responses.
     pub covariance: [Row; FEATURES],
-    /// Weighted mean relative to the centre.
+    /// Weighted mean.
     pub mean: Row,
     /// Sum of weights.
     pub weight: f32,
 }
 
-/// Half a row: as many numbers as common processors take at once.
-const HALF: usize = WIDTH / 2;
-
-/// Moments of `neighbours`, relative to `centre`. Fused multiplications are used on every machine alike.
+/// Moments of `rows` with one of `weights` each. Fused multiplications are used on every machine alike.
 #[inline(always)]
-pub fn moments(rows: &[Row], centre: &Row, neighbours: &[Neighbour]) -> Moments {
-    let (mut low, mut high) = ([[0.0; HALF]; HALF], [[0.0; HALF]; FEATURES]);
-    let (mut low_sum, mut high_sum, mut weight) = ([0.0_f32; HALF], [0.0_f32; HALF], 0.0);
-    // Two sweeps, because the sums of one fill the processor's registers.
-    for neighbour in neighbours {
-        let (z, _) = relative(&rows[neighbour.pixel as usize], centre);
-        weight += neighbour.weight;
-        add_product(&mut low_sum, neighbour.weight, &z);
-        for j in 0..HALF {
-            add_product(&mut low[j], neighbour.weight * z[j], &z);
+pub fn moments<S: Simd>(simd: S, rows: &[Row], weights: &[f32]) -> Moments {
+    let (mut products, mut mean) = ([[0.0; WIDTH]; FEATURES], [0.0; WIDTH]);
+    // A sweep per part of the row: the sums of one fill the processor's registers.
+    for part in 0..WIDTH / S::F32_LANES {
+        let (mut sums, mut sum) = ([simd.splat_f32s(0.0); FEATURES], simd.splat_f32s(0.0));
+        for (row, weight) in rows.iter().zip(weights) {
+            let weighted = simd.mul_f32s(simd.splat_f32s(*weight), S::as_simd_f32s(row).0[part]);
+            sum = simd.add_f32s(sum, weighted);
+            for j in 0..FEATURES {
+                sums[j] = simd.mul_add_f32s(simd.splat_f32s(row[j]), weighted, sums[j]);
+            }
+        }
+        S::as_mut_simd_f32s(&mut mean).0[part] = sum;
+        for j in 0..FEATURES {
+            S::as_mut_simd_f32s(&mut products[j]).0[part] = sums[j];
         }
     }
-    for neighbour in neighbours {
-        let (first, z) = relative(&rows[neighbour.pixel as usize], centre);
-        add_product(&mut high_sum, neighbour.weight, &z);
-        for j in 0..HALF {
-            add_product(&mut high[j], neighbour.weight * first[j], &z);
-        }
-        for j in HALF..FEATURES {
-            add_product(&mut high[j], neighbour.weight * z[j - HALF], &z);
-        }
-    }
-    centred(&low, &high, [low_sum, high_sum], weight)
-}
-
-/// `row` − `centre`, in halves.
-#[inline(always)]
-fn relative(row: &Row, centre: &Row) -> ([f32; HALF], [f32; HALF]) {
-    let (mut low, mut high) = ([0.0; HALF], [0.0; HALF]);
-    for l in 0..HALF {
-        low[l] = row[l] - centre[l];
-        high[l] = row[l + HALF] - centre[l + HALF];
-    }
-    (low, high)
-}
-
-#[inline(always)]
-fn add_product(sum: &mut [f32; HALF], factor: f32, values: &[f32; HALF]) {
-    for l in 0..HALF {
-        sum[l] = factor.mul_add(values[l], sum[l]);
-    }
+    centred(products, mean, weights.iter().sum())
 }
 
 /// Sums of products made into covariances.
 #[inline(always)]
-fn centred(low: &[[f32; HALF]; HALF], high: &[[f32; HALF]; FEATURES], sums: [[f32; HALF]; 2], weight: f32) -> Moments {
+fn centred(mut products: [Row; FEATURES], mut mean: Row, weight: f32) -> Moments {
     let scale = 1.0 / weight.max(1e-20);
-    let mut mean = [0.0; WIDTH];
-    for l in 0..WIDTH {
-        mean[l] = sums[l / HALF][l % HALF] * scale;
-    }
-    let mut covariance = [[0.0; WIDTH]; FEATURES];
-    for j in 0..FEATURES {
-        for l in 0..WIDTH {
-            // The lower rows of the first half were not summed: they repeat columns of the second.
-            let product = match (j < HALF, l < HALF) {
-                (true, true) => low[j][l],
-                (false, true) => high[l][j - HALF],
-                (_, false) => high[j][l - HALF],
-            };
-            covariance[j][l] = product * scale - mean[j] * mean[l];
+    mean.iter_mut().for_each(|sum| *sum *= scale);
+    for (row, own) in products.iter_mut().zip(mean) {
+        for (product, other) in row.iter_mut().zip(mean) {
+            *product = *product * scale - own * other;
         }
     }
-    Moments { covariance, mean, weight }
+    Moments { covariance: products, mean, weight }
 }

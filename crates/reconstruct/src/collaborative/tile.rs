@@ -1,13 +1,17 @@
 //! All fits of one tile.
 
+use pulp::{Simd, WithSimd};
+use stack::Size;
+
 use super::distances::{WindowDistances, offsets};
-use super::moments::{Neighbour, moments};
+use super::moments::moments;
 use super::plane::Plane;
+use super::row::FEATURES;
 use super::sums::Sums;
+use super::window::Neighbours;
 use super::{Fitted, Guide, Kernel};
 use crate::exp::exp_of_negative;
 use crate::rectangle::Rectangle;
-use stack::Size;
 
 /// Pixels of less weight have no say in a fit, nor it in them.
 const NEGLIGIBLE: f32 = 1e-4;
@@ -27,7 +31,8 @@ pub fn fit_tile(
     if fits.is_empty() {
         return Vec::new();
     }
-    pulp::Arch::new().dispatch(TileTask { fitted, guide, kernels, tile, fits: &fits, wants })
+    let place = tile.grown(guide.radius, guide.planes.size);
+    pulp::Arch::new().dispatch(TileTask { fitted, guide, kernels, tile, place, fits: &fits, wants })
 }
 
 struct TileTask<'a, W> {
@@ -35,31 +40,33 @@ struct TileTask<'a, W> {
     guide: &'a Guide<'a>,
     kernels: &'a [Kernel],
     tile: Rectangle,
+    /// Where the predictions lie.
+    place: Rectangle,
     fits: &'a [[usize; 2]],
     wants: W,
 }
 
-impl<W: Fn(usize, usize, usize) -> bool> pulp::NullaryFnOnce for TileTask<'_, W> {
+impl<W: Fn(usize, usize, usize) -> bool> WithSimd for TileTask<'_, W> {
     type Output = Vec<(Rectangle, Sums)>;
 
     #[inline(always)]
-    fn call(self) -> Self::Output {
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let mut distances = WindowDistances::new(self.guide);
         let window = distances.window();
         let distances = distances.compute(self.tile, self.fits);
-        let place = self.tile.grown(self.guide.radius, self.guide.planes.size);
-        let mut weights = vec![0.0; window];
-        let mut neighbours = Vec::with_capacity(window);
+        let (mut weights, mut neighbours) = (vec![0.0; window], Neighbours::default());
         let mut parts = Vec::with_capacity(self.kernels.len());
         for (number, kernel) in self.kernels.iter().enumerate() {
-            let mut sums = Sums::zeros(Size::new(place.width(), place.height()));
+            let mut sums = Sums::zeros(Size::new(self.place.width(), self.place.height()));
             let falloff = falloff(kernel.sigma, self.guide.radius);
-            for (fit, at) in self.fits.iter().enumerate().filter(|(_, [x, y])| (self.wants)(number, *x, *y)) {
-                weigh(&distances[fit * window..][..window], kernel.bandwidth, &falloff, &mut weights);
-                self.neighbours(*at, place, &weights, &mut neighbours);
-                self.fit(*at, &neighbours, &mut sums);
+            for (fit, [x, y]) in self.fits.iter().enumerate() {
+                if (self.wants)(number, *x, *y) {
+                    weigh(&distances[fit * window..][..window], kernel.bandwidth, &falloff, &mut weights);
+                    self.select([*x, *y], &weights, &mut neighbours);
+                    self.fit(simd, [*x, *y], &mut neighbours, &mut sums);
+                }
             }
-            parts.push((place, sums));
+            parts.push((self.place, sums));
         }
         parts
     }
@@ -68,38 +75,37 @@ impl<W: Fn(usize, usize, usize) -> bool> pulp::NullaryFnOnce for TileTask<'_, W>
 impl<W> TileTask<'_, W> {
     /// The pixels of the window whose weight counts.
     #[inline(always)]
-    fn neighbours(&self, [x, y]: [usize; 2], place: Rectangle, weights: &[f32], neighbours: &mut Vec<Neighbour>) {
-        let size = self.guide.planes.size;
-        let centre = size.index(x, y) as isize;
-        let centre_place = ((y - place.y0) * place.width() + (x - place.x0)) as isize;
-        let own = self.fitted.importance.map_or(1.0, |importance| 1.0 / importance[centre as usize]);
+    fn select(&self, [x, y]: [usize; 2], weights: &[f32], neighbours: &mut Neighbours) {
+        let (radius, size) = (self.guide.radius, self.guide.planes.size);
+        let side = 2 * radius + 1;
         neighbours.clear();
-        for (offset, kernel) in offsets(self.guide.radius).zip(weights) {
-            if *kernel >= NEGLIGIBLE {
-                let pixel = (centre + offset[0] + offset[1] * size.width as isize) as usize;
-                let weight = self.fitted.importance.map_or(*kernel, |importance| kernel * importance[pixel] * own);
-                let place = (centre_place + offset[0] + offset[1] * place.width() as isize) as u32;
-                neighbours.push(Neighbour { pixel: pixel as u32, place, kernel: *kernel, weight });
+        for (j, weights) in weights.chunks_exact(side).enumerate() {
+            let Some(row) = (y + j).checked_sub(radius).filter(|row| *row < size.height) else { continue };
+            let columns = radius.saturating_sub(x)..side.min(size.width + radius - x);
+            let pixel = size.index(x + columns.start - radius, row);
+            let place = (row - self.place.y0) * self.place.width() + x + columns.start - radius - self.place.x0;
+            for (i, kernel) in weights[columns].iter().enumerate() {
+                if *kernel >= NEGLIGIBLE {
+                    neighbours.push(pixel + i, place + i, *kernel);
+                }
             }
         }
     }
 
     /// One fit, and its predictions added to `sums`.
     #[inline(always)]
-    fn fit(&self, [x, y]: [usize; 2], neighbours: &[Neighbour], sums: &mut Sums) {
-        let Fitted { rows, noise, ridge, .. } = *self.fitted;
-        let width = self.guide.planes.size.width;
-        let centre = &rows[y * width + x];
-        let moments = moments(rows, centre, neighbours);
-        let noise: f32 = neighbours.iter().map(|n| n.kernel * n.kernel * noise[n.pixel as usize]).sum();
+    fn fit<S: Simd>(&self, simd: S, [x, y]: [usize; 2], neighbours: &mut Neighbours, sums: &mut Sums) {
+        let Fitted { rows, importance, noise, ridge, .. } = *self.fitted;
+        let centre = self.guide.planes.size.index(x, y);
+        neighbours.fetch(simd, rows, importance, centre);
+        let moments = moments(simd, &neighbours.rows, &neighbours.weights);
+        let noise: f32 =
+            neighbours.kernel.iter().zip(&neighbours.pixels).map(|(k, pixel)| k * k * noise[*pixel as usize]).sum();
         let weight = moments.weight.max(1e-20);
-        let plane = Plane::fitted(&moments, ridge.least + ridge.per_noise * noise / (weight * weight), centre);
-        for neighbour in neighbours {
-            let prediction = plane.at(&rows[neighbour.pixel as usize], centre);
-            let sum = sums.at_mut(neighbour.place as usize);
-            for (sum, value) in sum.iter_mut().zip(prediction) {
-                *sum = neighbour.kernel.mul_add(value, *sum);
-            }
+        let lambda = ridge.least + ridge.per_noise * noise / (weight * weight);
+        let plane = Plane::fitted(simd, &moments, lambda, &rows[centre][FEATURES..]);
+        for ((row, kernel), place) in neighbours.rows.iter().zip(&neighbours.kernel).zip(&neighbours.places) {
+            plane.add_prediction(simd, row, *kernel, sums.at_mut(*place as usize));
         }
     }
 }
