@@ -61,7 +61,8 @@ impl Predictions {
         Self { rows, sums, orders: Vec::with_capacity(field.size.width), stride }
     }
 
-    /// Adds what `blocks` predict, weighted by the inverse of their error.
+    /// Adds what `blocks` predict, weighted by the inverse of their error and of what the pixel contradicts them by. (The
+    /// inverse root keeps half a percent more energy at a quarter more error.)
     #[inline(always)]
     fn add<S: Simd>(&mut self, simd: S, field: &Field, window: &Window<S>, blocks: &Blocks<S>) {
         let centre = [0, 1, 2].map(|c| field.at(simd, field.colour(c), window.x, window.y));

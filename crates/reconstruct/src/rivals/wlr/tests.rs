@@ -14,7 +14,7 @@ fn stack() -> FeatureStack {
         let mean = Image::from_channels(SIZE, vec![plane; role.channels().len()]);
         Feature { role, estimate: Estimate { mean, noise: Noise::Unknown } }
     };
-    let checker = |x: usize, y: usize| if (x / 5 + y / 5) % 2 == 0 { 0.3 } else { 0.7 };
+    let checker = |x: usize, y: usize| if (x / 5 + y / 5).is_multiple_of(2) { 0.3 } else { 0.7 };
     FeatureStack {
         window: Window::whole(SIZE),
         film: SIZE,
@@ -36,7 +36,7 @@ fn colours(sigma: f32) -> [Image; 2] {
         let clean: Vec<f32> = (0..SIZE.pixels())
             .map(|i| {
                 let (x, y) = (i % SIZE.width, i / SIZE.width);
-                1.0 + 0.02 * x as f32 + if (x / 5 + y / 5) % 2 == 0 { 0.0 } else { 0.2 * c }
+                1.0 + 0.02 * x as f32 + if (x / 5 + y / 5).is_multiple_of(2) { 0.0 } else { 0.2 * c }
             })
             .collect();
         let noisy = clean.iter().map(|v| v + sigma * noise.normal() as f32).collect();
