@@ -1,54 +1,60 @@
 //! What the residual of a picture still holds, from fine to coarse.
 
 use rayon::prelude::*;
-use stack::{Cancelled, Component, Image, Monitor, SampleCounts};
+use stack::{Cancelled, Image, Monitor, SampleCounts};
 
-use super::features::GuideFeatures;
 use super::guided_kernel::GuidedKernel;
 use super::settings::CascadeSettings;
 
 /// Further scales over which the significance of a detail is smoothed.
 const SMOOTHINGS: [usize; 3] = [1, 2, 4];
 
-/// Groups that buckets are put together in: fewer are less work and say less about the variance.
-const GROUPS: usize = 4;
+/// Independent parts of a picture.
+pub struct Parts {
+    images: Vec<Image>,
+    /// The share of each in the mean of every pixel.
+    shares: Vec<Vec<f32>>,
+}
 
-/// Adds to `picture` what the buckets of `component` agree on and it lacks: the residual of each group of
-/// buckets, taken apart
-/// into details of growing scale; a detail d counts by (E\[d²\] − c E\[v\])/E\[d²\], v its variance between groups and
-/// c the significance; what is left at the coarsest scale counts in full. Never below zero. Reports the stage `cascade`.
+impl Parts {
+    /// `images` as they come from [`stack::Estimate::groups`].
+    pub fn new(images: Vec<Image>, counts: &SampleCounts) -> Self {
+        let pixels = images.first().map_or(0, Image::pixels);
+        let shares = group_shares(counts, pixels, images.len());
+        Self { images, shares }
+    }
+}
+
+/// Adds to `picture` what `parts` agree on and it lacks: the residual of each part, taken apart by `kernel` into
+/// details of growing scale. A detail d counts by (E\[d²\] − c E\[v\])/E\[d²\], v its variance between parts and c the
+/// significance; what is left at the coarsest scale counts in full. Never below zero. Reports the stage `cascade`.
 ///
 /// # Errors
 /// When `monitor` cancels.
 pub fn add_significant_residual(
     picture: &mut Image,
-    component: &Component,
-    counts: &SampleCounts,
-    features: &GuideFeatures,
+    parts: Parts,
+    kernel: &GuidedKernel,
     settings: &CascadeSettings,
     monitor: &dyn Monitor,
 ) -> Result<(), Cancelled> {
-    let Some(groups) = component.radiance.groups(counts, GROUPS) else { return Ok(()) };
     monitor.begin("cascade", settings.levels as u64);
-    let size = picture.size();
-    let kernel =
-        GuidedKernel::new(size, features.scaled_surfaces(std::f32::consts::FRAC_1_SQRT_2 / settings.feature_scale));
-    let relative: Vec<f32> = (0..size.pixels())
+    let relative: Vec<f32> = (0..picture.pixels())
         .map(|pixel| {
             let luminance = picture.mean_at(pixel);
             1.0 / (luminance * luminance + 1e-2)
         })
         .collect();
-    let weights = group_shares(counts, size.pixels(), groups.len());
-    let mut residual = residuals(groups, picture);
-    let mut found = vec![vec![0.0; size.pixels()]; 3];
+    let shares = parts.shares;
+    let mut residual = residuals(parts.images, picture);
+    let mut found = vec![vec![0.0; picture.pixels()]; 3];
     for level in 0..settings.levels {
         if monitor.cancelled() {
             return Err(Cancelled);
         }
         let step = 1 << level;
         let coarse = kernel.smooth(&residual, step);
-        let detail = Detail::of(&residual, &coarse, &weights, &relative);
+        let detail = Detail::of(&residual, &coarse, &shares, &relative);
         let mut power = vec![detail.square, detail.variance];
         for scale in SMOOTHINGS {
             power = kernel.smooth(&power, step * scale);
@@ -64,7 +70,7 @@ pub fn add_significant_residual(
     }
     for (c, (plane, found)) in picture.channels_mut().iter_mut().zip(&found).enumerate() {
         for (i, (value, found)) in plane.iter_mut().zip(found).enumerate() {
-            let rest: f32 = weights.iter().enumerate().map(|(b, share)| share[i] * residual[3 * b + c][i]).sum();
+            let rest: f32 = shares.iter().enumerate().map(|(g, share)| share[i] * residual[3 * g + c][i]).sum();
             *value = (*value + found + rest).max(0.0);
         }
     }

@@ -29,7 +29,7 @@ pub fn choose(
     settings: &ChoiceSettings,
 ) -> Chosen {
     let size = pilot.size();
-    let kernel = GuidedKernel::new(size, guides(pilot, features, settings));
+    let kernel = GuidedKernel::surfaces_and_brightness(features, pilot, settings.feature_scale, settings.brightness);
     let precision = precisions(candidates, layers, settings);
     let errors: Vec<Vec<f32>> = candidates.iter().map(|halves| cross_errors(halves, layers, &precision)).collect();
     let errors = kernel.smooth(&kernel.smooth(&errors, 1), 2);
@@ -38,15 +38,6 @@ pub fn choose(
     let halves = [0, 1].map(|half: usize| mixture(candidates, &weights, half));
     let mse = estimated_mse(&errors, &weights, &precision);
     Chosen { halves, mse }
-}
-
-fn guides(pilot: &Image, features: &GuideFeatures, settings: &ChoiceSettings) -> Vec<Vec<f32>> {
-    let scale = std::f32::consts::FRAC_1_SQRT_2 / settings.feature_scale;
-    let mut planes = features.scaled_surfaces(scale);
-    let brightness = scale * settings.brightness.sqrt();
-    let logarithm = |v: &f32| brightness * (v + 0.02).max(0.01).ln();
-    planes.extend(pilot.channels().iter().map(|plane| plane.iter().map(logarithm).collect()));
-    planes
 }
 
 /// What a squared error counts at each pixel: n/(1 + 3 n v), n = 1/(luminance² + 0.01) with the mean luminance of all

@@ -2,8 +2,10 @@
 //! (Dammertz et al. 2010).
 
 use rayon::prelude::*;
-use stack::Size;
+use stack::{Image, Size};
+use std::f32::consts::FRAC_1_SQRT_2;
 
+use super::features::GuideFeatures;
 use crate::exp::exp_of_negative;
 
 /// The B₃ spline.
@@ -20,6 +22,21 @@ impl GuidedKernel {
     /// A kernel for an image of `size`, guided by planes that are scaled already.
     pub fn new(size: Size, guides: Vec<Vec<f32>>) -> Self {
         Self { size, guides }
+    }
+
+    /// A kernel that stays on surfaces: features that differ by `scale` or more are kept apart.
+    pub fn surfaces(features: &GuideFeatures, scale: f32) -> Self {
+        Self::new(features.set.size, features.scaled_surfaces(FRAC_1_SQRT_2 / scale))
+    }
+
+    /// A kernel that stays on surfaces and among pixels of like brightness in `picture`: a squared difference of its
+    /// logarithm counts `brightness` times one of a feature.
+    pub fn surfaces_and_brightness(features: &GuideFeatures, picture: &Image, scale: f32, brightness: f32) -> Self {
+        let mut kernel = Self::surfaces(features, scale);
+        let factor = FRAC_1_SQRT_2 / scale * brightness.sqrt();
+        let logarithm = |v: &f32| factor * (v + 0.02).max(0.01).ln();
+        kernel.guides.extend(picture.channels().iter().map(|plane| plane.iter().map(logarithm).collect()));
+        kernel
     }
 
     /// Smooths `planes` with taps `step` pixels apart.

@@ -11,6 +11,7 @@ mod choice;
 mod features;
 mod first_pass;
 mod guided_kernel;
+mod restore;
 mod second_pass;
 mod settings;
 mod split;
@@ -18,11 +19,17 @@ mod spread;
 
 use stack::{Component, FeatureStack, Image, Monitor};
 
+use self::cascade::{Parts, add_significant_residual};
+use self::guided_kernel::GuidedKernel;
+use self::restore::restore_energy;
 use crate::box_filter::box_mean;
 use crate::pipeline::{ReconstructError, Reconstruction};
 
 pub use features::{GuideFeatures, guide_features};
 pub use settings::BestSettings;
+
+/// Groups that buckets are put together in for the cascade: fewer are less work and say less about the variance.
+const CASCADE_GROUPS: usize = 4;
 
 /// Rebuilds the scattered light `component` of `stack`.
 ///
@@ -43,13 +50,23 @@ pub fn rebuild(
     let spread = spread::spread(&layers.events, &mean_of(&first), features, &settings.spread);
     let mut pilot = mean_of(&first);
     pilot.add(&spread);
-    cascade::add_significant_residual(&mut pilot, component, &stack.samples, features, &settings.cascade, monitor)?;
+    if let Some(groups) = component.radiance.groups(&stack.samples, CASCADE_GROUPS) {
+        let parts = Parts::new(groups, &stack.samples);
+        let kernel = GuidedKernel::surfaces(features, settings.cascade.feature_scale);
+        add_significant_residual(&mut pilot, parts, &kernel, &settings.cascade, monitor)?;
+    }
     let second = second_pass::Guidance { pilot: &pilot, first: &first, noise: &noise };
     let mut candidates = vec![first.clone()];
     candidates.extend(second_pass::second_pass(&layers, &second, features, &settings.regression, monitor)?);
     monitor.begin("choice", 1);
     let chosen = choice::choose(&candidates, &layers, &pilot, features, &settings.choice);
     let mut picture = mean_of(&chosen.halves);
+    if settings.restore.levels > 0 {
+        let restore = &settings.restore;
+        let kernel =
+            GuidedKernel::surfaces_and_brightness(features, &picture, restore.feature_scale, restore.brightness);
+        restore_energy(&mut picture, &mean_of(&layers.halves), &kernel, restore);
+    }
     picture.add(&spread);
     picture.channels_mut().iter_mut().flatten().for_each(|v| *v = v.max(0.0));
     Ok(Reconstruction {

@@ -74,6 +74,20 @@ stack::knobs! {
 }
 
 stack::knobs! {
+    /// How far light that the regressions lost is given back.
+    pub struct RestoreSettings("restore") {
+        /// Widenings of the kernel, each by a factor of two; 0 gives nothing back.
+        levels: usize = 5, 0..=10;
+        /// Largest factor by which a pixel may change, up or down.
+        limit: f32 = 1.2, 1.0..=100.0;
+        /// Scale of the differences between features that separate surfaces.
+        feature_scale: f32 = 0.3, 0.01..=10.0;
+        /// Weight of a squared difference in the logarithm of the picture against one in features.
+        brightness: f32 = 0.2, 0.0..=100.0;
+    }
+}
+
+stack::knobs! {
     /// How candidates are mixed.
     pub struct ChoiceSettings("choice") {
         /// A candidate's weight falls by e for each this much more error, relative to the least.
@@ -100,6 +114,8 @@ stack::knob_groups! {
         spread: SpreadSettings,
         /// Residual.
         cascade: CascadeSettings,
+        /// Energy.
+        restore: RestoreSettings,
         /// Candidates.
         choice: ChoiceSettings,
     }

@@ -52,8 +52,10 @@ pub fn split(
         return Err(ReconstructError::NoBuckets { layer: component.role.layer() });
     };
     let size = component.radiance.mean.size();
-    let luminances: Vec<Vec<f32>> =
-        buckets.par_iter().map(|bucket| (0..size.pixels()).map(|i| bucket.mean_at(i)).collect()).collect();
+    let luminances: Vec<Vec<f32>> = (0..buckets.len())
+        .into_par_iter()
+        .map(|bucket| (0..size.pixels()).map(|pixel| luminance(buckets, counts, bucket, pixel)).collect())
+        .collect();
     let task = SplitTask { size, buckets, luminances: &luminances, counts, settings };
     let pixels: Vec<SplitPixel> = (0..size.pixels()).into_par_iter().map(|pixel| task.pixel(pixel)).collect();
     let image = |value: &dyn Fn(&SplitPixel) -> [f32; 3]| {
@@ -72,6 +74,11 @@ pub fn split(
     })
 }
 
+/// Luminance of one bucket; −1 where it has no samples.
+fn luminance(buckets: &[Image], counts: &SampleCounts, bucket: usize, pixel: usize) -> f32 {
+    if counts.in_group(pixel, bucket, buckets.len()) > 0 { buckets[bucket].mean_at(pixel).max(0.0) } else { -1.0 }
+}
+
 /// ½ its own and ½ that of the 3×3 pixels around it.
 fn steadied(mut variance: Image) -> Image {
     let size = variance.size();
@@ -80,6 +87,31 @@ fn steadied(mut variance: Image) -> Image {
         plane.iter_mut().zip(&smooth).for_each(|(v, s)| *v = 0.5 * *v + 0.5 * s + LEAST_VARIANCE);
     }
     variance
+}
+
+/// Values kept apart while looking for a high quantile.
+const TOP: usize = 16;
+
+/// The `share` quantile (0 to 1) of `values`, rounded down; 0 when there are none.
+fn quantile(values: &mut [f32], share: f32) -> f32 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    let rank = ((values.len() - 1) as f32 * share) as usize;
+    let above = values.len() - 1 - rank;
+    if above >= TOP {
+        return *values.select_nth_unstable_by(rank, f32::total_cmp).1;
+    }
+    // Few are larger: a short sorted list of the largest so far is faster than any selection.
+    let mut largest = [f32::NEG_INFINITY; TOP];
+    for value in values.iter().copied() {
+        if value > largest[above] {
+            let place = largest[..above].partition_point(|l| *l > value);
+            largest[place..=above].rotate_right(1);
+            largest[place] = value;
+        }
+    }
+    largest[above]
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -115,24 +147,21 @@ impl SplitTask<'_> {
     }
 
     fn filled(&self, pixel: usize) -> impl Iterator<Item = usize> {
-        (0..self.buckets.len()).filter(move |bucket| self.samples(pixel, *bucket) > 0.0)
+        (0..self.buckets.len()).filter(move |bucket| self.luminances[*bucket][pixel] >= 0.0)
     }
 
     /// The quantile of all buckets of the surroundings.
     fn reached_around(&self, pixel: usize) -> f32 {
         let (x, y, radius) = (pixel % self.size.width, pixel / self.size.width, self.settings.radius);
+        let columns = x.saturating_sub(radius)..(x + radius + 1).min(self.size.width);
         let mut values = Vec::with_capacity((2 * radius + 1).pow(2) * self.buckets.len());
         for row in y.saturating_sub(radius)..(y + radius + 1).min(self.size.height) {
-            for column in x.saturating_sub(radius)..(x + radius + 1).min(self.size.width) {
-                let near = self.size.index(column, row);
-                values.extend(self.filled(near).map(|bucket| self.luminances[bucket][near]));
+            let near = self.size.index(columns.start, row);
+            for luminances in self.luminances {
+                values.extend(luminances[near..][..columns.len()].iter().filter(|l| **l >= 0.0));
             }
         }
-        if values.is_empty() {
-            return 0.0;
-        }
-        let rank = ((values.len() - 1) as f32 * self.settings.quantile) as usize;
-        *values.select_nth_unstable_by(rank, f32::total_cmp).1
+        quantile(&mut values, self.settings.quantile)
     }
 
     fn pixel(&self, pixel: usize) -> SplitPixel {
