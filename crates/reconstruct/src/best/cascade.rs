@@ -23,17 +23,25 @@ impl Parts {
         let shares = group_shares(counts, pixels, images.len());
         Self { images, shares }
     }
+
+    /// Two images whose sum is the picture.
+    pub fn adding_up(mut images: [Image; 2]) -> Self {
+        images.iter_mut().flat_map(Image::channels_mut).flatten().for_each(|v| *v *= 2.0);
+        let shares = vec![vec![0.5; images[0].pixels()]; 2];
+        Self { images: images.to_vec(), shares }
+    }
 }
 
 /// Adds to `picture` what `parts` agree on and it lacks: the residual of each part, taken apart by `kernel` into
 /// details of growing scale. A detail d counts by (E\[d²\] − c E\[v\])/E\[d²\], v its variance between parts and c the
-/// significance; what is left at the coarsest scale counts in full. Never below zero. Reports the stage `cascade`.
+/// significance; squares are relative to `brightness`; what is left at the coarsest scale counts in full. Never below zero. Reports the stage `cascade`.
 ///
 /// # Errors
 /// When `monitor` cancels.
 pub fn add_significant_residual(
     picture: &mut Image,
     parts: Parts,
+    brightness: &Image,
     kernel: &GuidedKernel,
     settings: &CascadeSettings,
     monitor: &dyn Monitor,
@@ -41,7 +49,7 @@ pub fn add_significant_residual(
     monitor.begin("cascade", settings.levels as u64);
     let relative: Vec<f32> = (0..picture.pixels())
         .map(|pixel| {
-            let luminance = picture.mean_at(pixel);
+            let luminance = brightness.mean_at(pixel);
             1.0 / (luminance * luminance + 1e-2)
         })
         .collect();

@@ -47,13 +47,15 @@ pub fn rebuild(
     let noise = relative_noise(&layers);
     let first = first_pass::first_pass(&layers, &noise, features, &settings.regression, monitor)?;
     monitor.begin("spread", 1);
-    let spread = spread::spread(&layers.events, &mean_of(&first), features, &settings.spread);
     let mut pilot = mean_of(&first);
+    let halves = spread::spread(&layers.events, &pilot, features, &settings.spread);
+    let spread = spread::steadied(halves, &pilot, features, &settings.spread, monitor)?;
     pilot.add(&spread);
     if let Some(groups) = component.radiance.groups(&stack.samples, CASCADE_GROUPS) {
         let parts = Parts::new(groups, &stack.samples);
         let kernel = GuidedKernel::surfaces(features, settings.cascade.feature_scale);
-        add_significant_residual(&mut pilot, parts, &kernel, &settings.cascade, monitor)?;
+        let brightness = pilot.clone();
+        add_significant_residual(&mut pilot, parts, &brightness, &kernel, &settings.cascade, monitor)?;
     }
     let second = second_pass::Guidance { pilot: &pilot, first: &first, noise: &noise };
     let mut candidates = vec![first.clone()];
@@ -71,10 +73,17 @@ pub fn rebuild(
     picture.channels_mut().iter_mut().flatten().for_each(|v| *v = v.max(0.0));
     Ok(Reconstruction {
         mse: chosen.mse,
-        spikes: Some(layers.events.light),
+        spikes: Some(sum_of(&layers.events.light)),
         marked: layers.events.energy.iter().filter(|e| **e > 0.0).count(),
         ..Reconstruction::plain(picture)
     })
+}
+
+/// Sum of two images.
+fn sum_of([a, b]: &[Image; 2]) -> Image {
+    let mut sum = a.clone();
+    sum.add(b);
+    sum
 }
 
 /// Mean of two halves.

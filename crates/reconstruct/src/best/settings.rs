@@ -58,6 +58,11 @@ stack::knobs! {
         brightness: f32 = 0.5, 0.0..=100.0;
         /// Scale of the differences between features that separate surfaces.
         feature_scale: f32 = 0.3, 0.01..=10.0;
+        /// Scales, each twice as coarse as the one before, on which blotches of spread events are kept only where both
+        /// halves show them.
+        levels: usize = 6, 0..=10;
+        /// Multiple of a blotch's variance that its square must exceed.
+        significance: f32 = 2.0, 0.0..=1000.0;
     }
 }
 

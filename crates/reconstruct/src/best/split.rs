@@ -31,8 +31,9 @@ pub struct Layers {
 /// The sparse layer. An event is what was cut off one bucket at one pixel.
 #[derive(Clone, Debug)]
 pub struct Events {
-    /// Mean radiance that was cut off, three channels.
-    pub light: Image,
+    /// What was cut off the buckets of either half, divided by all samples of the pixel; three channels each. Their sum
+    /// is what the mean lacks.
+    pub light: [Image; 2],
     /// Σ e over a pixel's events, e the RGB sum of one.
     pub energy: Vec<f32>,
     /// Σ e².
@@ -67,7 +68,7 @@ pub fn split(
         halves,
         variance: steadied(variance),
         events: Events {
-            light: image(&|p| p.light),
+            light: [0, 1].map(|half| image(&|p| p.light[half])),
             energy: pixels.iter().map(|p| p.energy).collect(),
             squares: pixels.iter().map(|p| p.squares).collect(),
         },
@@ -118,7 +119,7 @@ fn quantile(values: &mut [f32], share: f32) -> f32 {
 struct SplitPixel {
     halves: [[f32; 3]; 2],
     variance: [f32; 3],
-    light: [f32; 3],
+    light: [[f32; 3]; 2],
     energy: f32,
     squares: f32,
 }
@@ -200,7 +201,7 @@ impl SplitTask<'_> {
 struct BucketSums {
     low: [[f32; 3]; 2],
     samples: [f32; 2],
-    cut: [f32; 3],
+    cut: [[f32; 3]; 2],
     energy: f32,
     squares: f32,
 }
@@ -211,7 +212,7 @@ impl BucketSums {
         self.samples[half] += samples;
         for c in 0..3 {
             self.low[half][c] += samples * kept * radiance[c];
-            self.cut[c] += samples * (1.0 - kept) * radiance[c];
+            self.cut[half][c] += samples * (1.0 - kept) * radiance[c];
         }
         let event = samples * (1.0 - kept) * radiance.iter().sum::<f32>();
         self.energy += event;
@@ -223,7 +224,7 @@ impl BucketSums {
         let total = self.samples[0] + self.samples[1];
         let half = |half: usize| if self.samples[half] > 0.0 { half } else { 1 - half };
         let halves = [half(0), half(1)].map(|half| self.low[half].map(|v| v / self.samples[half].max(1.0)));
-        let light = self.cut.map(|v| v / total.max(1.0));
+        let light = self.cut.map(|cut| cut.map(|v| v / total.max(1.0)));
         SplitPixel { halves, light, energy: self.energy, squares: self.squares, ..SplitPixel::default() }
     }
 }

@@ -1,12 +1,14 @@
 //! Events spread over the pixels that resemble their own: their light is real, only its place is chance.
 
 use rayon::prelude::*;
-use stack::{Image, Size};
+use stack::{Cancelled, Image, Monitor, Size};
 
+use super::cascade::{Parts, add_significant_residual};
 use super::features::GuideFeatures;
-use super::luminance;
-use super::settings::SpreadSettings;
+use super::guided_kernel::GuidedKernel;
+use super::settings::{CascadeSettings, SpreadSettings};
 use super::split::Events;
+use super::{luminance, sum_of};
 use crate::exp::exp_of_negative;
 use crate::rectangle::{Rectangle, tiles_of};
 
@@ -23,21 +25,51 @@ const LARGEST_REACH: usize = 20;
 /// Side of the tiles whose events are spread together.
 const TILE: usize = 64;
 
-/// The light of `events`, spread. Each is spread just so wide that the surroundings it shares hold enough others; its
+/// Radiance of both halves.
+type Light = [f32; 6];
+
+/// The light of both halves of `events`, spread. Each is spread just so wide that the surroundings it shares hold enough others; its
 /// kernel is a Gaussian times the likeness of pixels in `features` and in the brightness of `picture`, and sums to one.
-pub fn spread(events: &Events, picture: &Image, features: &GuideFeatures, settings: &SpreadSettings) -> Image {
+pub fn spread(events: &Events, picture: &Image, features: &GuideFeatures, settings: &SpreadSettings) -> [Image; 2] {
     let size = picture.size();
     let task = SpreadTask { size, events, guides: guides(picture, features, settings), settings };
     let tiles = tiles_of(size, TILE);
-    let parts: Vec<(Rectangle, Vec<[f32; 3]>)> = tiles.par_iter().map(|tile| task.tile(*tile)).collect();
-    let mut light = Image::zeros(size, 3);
+    let parts: Vec<(Rectangle, Vec<Light>)> = tiles.par_iter().map(|tile| task.tile(*tile)).collect();
+    let mut light = [0, 1].map(|_| Image::zeros(size, 3));
     for (place, part) in &parts {
         for (i, value) in part.iter().enumerate() {
             let pixel = size.index(place.x0 + i % place.width(), place.y0 + i / place.width());
-            light.channels_mut().iter_mut().zip(value).for_each(|(plane, v)| plane[pixel] += v);
+            let planes = light.iter_mut().flat_map(|half| half.channels_mut());
+            planes.zip(value).for_each(|(plane, v)| plane[pixel] += v);
         }
     }
     light
+}
+
+/// `halves` of spread light added up, without blotches that only one of them shows: a few events, spread so wide that
+/// they overlap, still leave hills and valleys of a third of their mean.
+///
+/// # Errors
+/// When `monitor` cancels.
+pub fn steadied(
+    halves: [Image; 2],
+    picture: &Image,
+    features: &GuideFeatures,
+    settings: &SpreadSettings,
+    monitor: &dyn Monitor,
+) -> Result<Image, Cancelled> {
+    let sum = sum_of(&halves);
+    if settings.levels == 0 {
+        return Ok(sum);
+    }
+    let mut brightness = picture.clone();
+    brightness.add(&sum);
+    let SpreadSettings { levels, significance, feature_scale, .. } = *settings;
+    let kernel = GuidedKernel::surfaces_and_brightness(features, picture, feature_scale, settings.brightness.powi(2));
+    let mut steady = Image::zeros(picture.size(), 3);
+    let cascade = CascadeSettings { levels, significance, feature_scale };
+    add_significant_residual(&mut steady, Parts::adding_up(halves), &brightness, &kernel, &cascade, monitor)?;
+    Ok(steady)
 }
 
 /// One row per pixel: what separates pixels, scaled so that their likeness is exp(−Σ Δ²).
@@ -58,9 +90,9 @@ struct SpreadTask<'a> {
 
 impl SpreadTask<'_> {
     /// The light of the events of `tile`, and where it lies.
-    fn tile(&self, tile: Rectangle) -> (Rectangle, Vec<[f32; 3]>) {
+    fn tile(&self, tile: Rectangle) -> (Rectangle, Vec<Light>) {
         let place = tile.grown(LARGEST_REACH, self.size);
-        let mut light = vec![[0.0; 3]; place.width() * place.height()];
+        let mut light = vec![[0.0; 6]; place.width() * place.height()];
         let mut kernel = Vec::new();
         for y in tile.y0..tile.y1 {
             for x in tile.x0..tile.x1 {
@@ -72,7 +104,7 @@ impl SpreadTask<'_> {
         (place, light)
     }
 
-    fn spread_one(&self, [x, y]: [usize; 2], place: Rectangle, kernel: &mut Vec<(usize, f32)>, light: &mut [[f32; 3]]) {
+    fn spread_one(&self, [x, y]: [usize; 2], place: Rectangle, kernel: &mut Vec<(usize, f32)>, light: &mut [Light]) {
         let pixel = self.size.index(x, y);
         let sigma = self.sigma([x, y]);
         kernel.clear();
@@ -82,7 +114,8 @@ impl SpreadTask<'_> {
             kernel.push(((row - place.y0) * place.width() + column - place.x0, weight));
         }
         let norm: f32 = kernel.iter().map(|(_, weight)| weight).sum();
-        let own = self.events.light.rgb(pixel).map(|v| v / norm);
+        let [a, b] = [0, 1].map(|half: usize| self.events.light[half].rgb(pixel));
+        let own: Light = std::array::from_fn(|i| if i < 3 { a[i] } else { b[i - 3] } / norm);
         for (at, weight) in kernel.iter() {
             light[*at].iter_mut().zip(own).for_each(|(sum, v)| *sum += weight * v);
         }
