@@ -11,42 +11,30 @@ use crate::box_filter::box_mean;
 /// Least error that the softness is relative to.
 const LEAST_ERROR: f32 = 1e-5;
 
-/// The mixture.
-#[derive(Clone, Debug)]
-pub struct Chosen {
-    /// Both halves.
-    pub halves: [Image; 2],
-    /// Estimated mean squared error of their mean, mean over RGB.
-    pub mse: Vec<f32>,
-}
-
-/// Mixes `candidates` (both halves of each).
+/// Both halves of the mixture of `candidates` (both halves of each), whose errors `kernel` smooths.
 pub fn choose(
     candidates: &[[Image; 2]],
     layers: &Layers,
-    pilot: &Image,
-    features: &GuideFeatures,
+    kernel: &GuidedKernel,
     settings: &ChoiceSettings,
-) -> Chosen {
-    let size = pilot.size();
-    let kernel = GuidedKernel::new(size, guides(pilot, features, settings));
+) -> [Image; 2] {
+    let size = layers.variance.size();
     let precision = precisions(candidates, layers, settings);
     let errors: Vec<Vec<f32>> = candidates.iter().map(|halves| cross_errors(halves, layers, &precision)).collect();
     let errors = kernel.smooth(&kernel.smooth(&errors, 1), 2);
     let weights: Vec<Vec<f32>> =
         soft_minimum(&errors, settings.softness).iter().map(|plane| box_mean(plane, size, 2)).collect();
-    let halves = [0, 1].map(|half: usize| mixture(candidates, &weights, half));
-    let mse = estimated_mse(&errors, &weights, &precision);
-    Chosen { halves, mse }
+    [0, 1].map(|half: usize| mixture(candidates, &weights, half))
 }
 
-fn guides(pilot: &Image, features: &GuideFeatures, settings: &ChoiceSettings) -> Vec<Vec<f32>> {
+/// The kernel that smooths errors: it crosses borders neither of surfaces nor of the `pilot`'s brightness.
+pub fn error_kernel(pilot: &Image, features: &GuideFeatures, settings: &ChoiceSettings) -> GuidedKernel {
     let scale = std::f32::consts::FRAC_1_SQRT_2 / settings.feature_scale;
     let mut planes = features.scaled_surfaces(scale);
     let brightness = scale * settings.brightness.sqrt();
     let logarithm = |v: &f32| brightness * (v + 0.02).max(0.01).ln();
     planes.extend(pilot.channels().iter().map(|plane| plane.iter().map(logarithm).collect()));
-    planes
+    GuidedKernel::new(pilot.size(), planes)
 }
 
 /// What a squared error counts at each pixel: n/(1 + 3 n v), n = 1/(luminance² + 0.01) with the mean luminance of all
@@ -99,13 +87,4 @@ fn mixture(candidates: &[[Image; 2]], weights: &[Vec<f32>], half: usize) -> Imag
         }
     }
     mixed
-}
-
-/// The mixture's cross-half error, made absolute again.
-fn estimated_mse(errors: &[Vec<f32>], weights: &[Vec<f32>], precision: &[f32]) -> Vec<f32> {
-    let mse = |pixel: usize| {
-        let error: f32 = errors.iter().zip(weights).map(|(e, w)| e[pixel] * w[pixel]).sum();
-        (error / (6.0 * precision[pixel])).max(0.0)
-    };
-    (0..precision.len()).map(mse).collect()
 }

@@ -8,6 +8,7 @@
 
 mod cascade;
 mod choice;
+mod error;
 mod features;
 mod first_pass;
 mod guided_kernel;
@@ -21,8 +22,10 @@ use stack::{Component, FeatureStack, Image, Monitor};
 use crate::box_filter::box_mean;
 use crate::pipeline::{ReconstructError, Reconstruction};
 
+pub use error::share_unseen;
 pub use features::{GuideFeatures, guide_features};
 pub use settings::BestSettings;
+use settings::FitSettings;
 
 /// Rebuilds the scattered light `component` of `stack`.
 ///
@@ -38,26 +41,51 @@ pub fn rebuild(
     monitor.begin("spikes", 1);
     let layers = split::split(component, &stack.samples, &settings.split)?;
     let noise = relative_noise(&layers);
-    let first = first_pass::first_pass(&layers, &noise, features, &settings.regression, monitor)?;
+    let samples = share_of_samples(&stack.samples.total, &settings.regression);
+    let given = Given { layers: &layers, noise: &noise, samples: samples.as_deref(), features };
+    let first = first_pass::first_pass(&given, &settings.regression, monitor)?;
     monitor.begin("spread", 1);
     let spread = spread::spread(&layers.events, &mean_of(&first), features, &settings.spread);
     let mut pilot = mean_of(&first);
-    pilot.add(&spread);
+    pilot.add(&spread.light);
     cascade::add_significant_residual(&mut pilot, component, &stack.samples, features, &settings.cascade, monitor)?;
-    let second = second_pass::Guidance { pilot: &pilot, first: &first, noise: &noise };
-    let mut candidates = vec![first.clone()];
-    candidates.extend(second_pass::second_pass(&layers, &second, features, &settings.regression, monitor)?);
-    monitor.begin("choice", 1);
-    let chosen = choice::choose(&candidates, &layers, &pilot, features, &settings.choice);
-    let mut picture = mean_of(&chosen.halves);
-    picture.add(&spread);
+    let kernel = choice::error_kernel(&pilot, features, &settings.choice);
+    let halves = if settings.regression.passes > 1 {
+        let mut candidates = vec![first.clone()];
+        candidates.extend(second_pass::second_pass(&given, &pilot, &first, &settings.regression, monitor)?);
+        monitor.begin("choice", 1);
+        choice::choose(&candidates, &layers, &kernel, &settings.choice)
+    } else {
+        first
+    };
+    let mut picture = mean_of(&halves);
+    picture.add(&spread.light);
     picture.channels_mut().iter_mut().flatten().for_each(|v| *v = v.max(0.0));
     Ok(Reconstruction {
-        mse: chosen.mse,
+        mse: error::estimated_error(&halves, &spread.variance, &picture, &kernel, &settings.error),
         spikes: Some(layers.events.light),
         marked: layers.events.energy.iter().filter(|e| **e > 0.0).count(),
         ..Reconstruction::plain(picture)
     })
+}
+
+/// What both regressions rest on.
+#[derive(Clone, Copy)]
+struct Given<'a> {
+    layers: &'a split::Layers,
+    /// Relative noise ν.
+    noise: &'a [f32],
+    /// Samples of every pixel over their mean, where that counts.
+    samples: Option<&'a [f32]>,
+    features: &'a GuideFeatures,
+}
+
+/// Samples of every pixel over their mean; `None` where they do not count or do not differ.
+fn share_of_samples(counts: &[u32], settings: &FitSettings) -> Option<Vec<f32>> {
+    let differ = counts.windows(2).any(|pair| pair[0] != pair[1]);
+    let mean = counts.iter().map(|n| f64::from(*n)).sum::<f64>() / counts.len() as f64;
+    let share = |n: &u32| (f64::from((*n).max(1)) / mean) as f32;
+    (settings.weigh_samples && differ).then(|| counts.iter().map(share).collect())
 }
 
 /// Mean of two halves.

@@ -23,21 +23,32 @@ const LARGEST_REACH: usize = 20;
 /// Side of the tiles whose events are spread together.
 const TILE: usize = 64;
 
+/// Events after they were spread.
+#[derive(Clone, Debug)]
+pub struct Spread {
+    /// Their light, three channels.
+    pub light: Image,
+    /// Its variance, mean over RGB: Σ K² e² over events e that reach a pixel with kernel K, for they come and go by chance
+    /// (a compound Poisson process).
+    pub variance: Vec<f32>,
+}
+
 /// The light of `events`, spread. Each is spread just so wide that the surroundings it shares hold enough others; its
 /// kernel is a Gaussian times the likeness of pixels in `features` and in the brightness of `picture`, and sums to one.
-pub fn spread(events: &Events, picture: &Image, features: &GuideFeatures, settings: &SpreadSettings) -> Image {
+pub fn spread(events: &Events, picture: &Image, features: &GuideFeatures, settings: &SpreadSettings) -> Spread {
     let size = picture.size();
     let task = SpreadTask { size, events, guides: guides(picture, features, settings), settings };
     let tiles = tiles_of(size, TILE);
-    let parts: Vec<(Rectangle, Vec<[f32; 3]>)> = tiles.par_iter().map(|tile| task.tile(*tile)).collect();
-    let mut light = Image::zeros(size, 3);
+    let parts: Vec<(Rectangle, Vec<Share>)> = tiles.par_iter().map(|tile| task.tile(*tile)).collect();
+    let mut spread = Spread { light: Image::zeros(size, 3), variance: vec![0.0; size.pixels()] };
     for (place, part) in &parts {
         for (i, value) in part.iter().enumerate() {
             let pixel = size.index(place.x0 + i % place.width(), place.y0 + i / place.width());
-            light.channels_mut().iter_mut().zip(value).for_each(|(plane, v)| plane[pixel] += v);
+            spread.light.channels_mut().iter_mut().zip(value.light).for_each(|(plane, v)| plane[pixel] += v);
+            spread.variance[pixel] += value.variance;
         }
     }
-    light
+    spread
 }
 
 /// One row per pixel: what separates pixels, scaled so that their likeness is exp(−Σ Δ²).
@@ -49,6 +60,13 @@ fn guides(picture: &Image, features: &GuideFeatures, settings: &SpreadSettings) 
     (0..picture.pixels()).map(|pixel| planes.iter().map(|plane| plane[pixel]).collect()).collect()
 }
 
+/// What reaches one pixel.
+#[derive(Clone, Copy, Debug, Default)]
+struct Share {
+    light: [f32; 3],
+    variance: f32,
+}
+
 struct SpreadTask<'a> {
     size: Size,
     events: &'a Events,
@@ -58,9 +76,9 @@ struct SpreadTask<'a> {
 
 impl SpreadTask<'_> {
     /// The light of the events of `tile`, and where it lies.
-    fn tile(&self, tile: Rectangle) -> (Rectangle, Vec<[f32; 3]>) {
+    fn tile(&self, tile: Rectangle) -> (Rectangle, Vec<Share>) {
         let place = tile.grown(LARGEST_REACH, self.size);
-        let mut light = vec![[0.0; 3]; place.width() * place.height()];
+        let mut light = vec![Share::default(); place.width() * place.height()];
         let mut kernel = Vec::new();
         for y in tile.y0..tile.y1 {
             for x in tile.x0..tile.x1 {
@@ -72,7 +90,7 @@ impl SpreadTask<'_> {
         (place, light)
     }
 
-    fn spread_one(&self, [x, y]: [usize; 2], place: Rectangle, kernel: &mut Vec<(usize, f32)>, light: &mut [[f32; 3]]) {
+    fn spread_one(&self, [x, y]: [usize; 2], place: Rectangle, kernel: &mut Vec<(usize, f32)>, light: &mut [Share]) {
         let pixel = self.size.index(x, y);
         let sigma = self.sigma([x, y]);
         kernel.clear();
@@ -83,8 +101,11 @@ impl SpreadTask<'_> {
         }
         let norm: f32 = kernel.iter().map(|(_, weight)| weight).sum();
         let own = self.events.light.rgb(pixel).map(|v| v / norm);
+        let square = own.iter().map(|v| v * v).sum::<f32>() / 3.0 * self.events.concentration(pixel);
         for (at, weight) in kernel.iter() {
-            light[*at].iter_mut().zip(own).for_each(|(sum, v)| *sum += weight * v);
+            let share = &mut light[*at];
+            share.light.iter_mut().zip(own).for_each(|(sum, v)| *sum += weight * v);
+            share.variance += weight * weight * square;
         }
     }
 
