@@ -41,7 +41,15 @@ impl Estimate {
     /// Half-buffers A (even buckets) and B (odd ones), when there are buckets. A half without samples holds zeros.
     pub fn halves(&self, counts: &SampleCounts) -> Option<[Image; 2]> {
         let Noise::Buckets(buckets) = &self.noise else { return None };
-        Some([0, 1].map(|half| half_mean(buckets, counts, half)))
+        Some([0, 1].map(|half| group_mean(buckets, counts, half, 2)))
+    }
+
+    /// Buckets `b` with the same `b % groups` made into one, when there are buckets; no more groups than buckets. A group
+    /// without samples holds zeros.
+    pub fn groups(&self, counts: &SampleCounts, groups: usize) -> Option<Vec<Image>> {
+        let Noise::Buckets(buckets) = &self.noise else { return None };
+        let groups = groups.clamp(1, buckets.len());
+        Some((0..groups).map(|group| group_mean(buckets, counts, group, groups)).collect())
     }
 
     /// Variance of the mean, per channel, when the noise is known. A pixel with samples in fewer than two buckets has
@@ -77,8 +85,8 @@ fn weighted_mean(buckets: &[Image], counts: &SampleCounts) -> Image {
     weighted_mean_of(buckets, counts, |_| true)
 }
 
-fn half_mean(buckets: &[Image], counts: &SampleCounts, half: usize) -> Image {
-    weighted_mean_of(buckets, counts, |b| b % 2 == half)
+fn group_mean(buckets: &[Image], counts: &SampleCounts, group: usize, groups: usize) -> Image {
+    weighted_mean_of(buckets, counts, |b| b % groups == group)
 }
 
 fn spread_of_buckets(buckets: &[Image], mean: &Image, counts: &SampleCounts) -> Image {

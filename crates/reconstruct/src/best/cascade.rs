@@ -1,7 +1,7 @@
 //! What the residual of a picture still holds, from fine to coarse.
 
 use rayon::prelude::*;
-use stack::{Cancelled, Component, Image, Monitor, Noise, SampleCounts};
+use stack::{Cancelled, Component, Image, Monitor, SampleCounts};
 
 use super::features::GuideFeatures;
 use super::guided_kernel::GuidedKernel;
@@ -10,8 +10,12 @@ use super::settings::CascadeSettings;
 /// Further scales over which the significance of a detail is smoothed.
 const SMOOTHINGS: [usize; 3] = [1, 2, 4];
 
-/// Adds to `picture` what the buckets of `component` agree on and it lacks: the residual of each bucket, taken apart
-/// into details of growing scale; a detail d counts by (E\[d²\] − c E\[v\])/E\[d²\], v its variance between buckets and
+/// Groups that buckets are put together in: fewer are less work and say less about the variance.
+const GROUPS: usize = 4;
+
+/// Adds to `picture` what the buckets of `component` agree on and it lacks: the residual of each group of
+/// buckets, taken apart
+/// into details of growing scale; a detail d counts by (E\[d²\] − c E\[v\])/E\[d²\], v its variance between groups and
 /// c the significance; what is left at the coarsest scale counts in full. Never below zero. Reports the stage `cascade`.
 ///
 /// # Errors
@@ -24,7 +28,7 @@ pub fn add_significant_residual(
     settings: &CascadeSettings,
     monitor: &dyn Monitor,
 ) -> Result<(), Cancelled> {
-    let Noise::Buckets(buckets) = &component.radiance.noise else { return Ok(()) };
+    let Some(groups) = component.radiance.groups(counts, GROUPS) else { return Ok(()) };
     monitor.begin("cascade", settings.levels as u64);
     let size = picture.size();
     let kernel =
@@ -35,8 +39,8 @@ pub fn add_significant_residual(
             1.0 / (luminance * luminance + 1e-2)
         })
         .collect();
-    let weights = bucket_shares(counts, size.pixels(), buckets.len());
-    let mut residual = residuals(buckets, picture);
+    let weights = group_shares(counts, size.pixels(), groups.len());
+    let mut residual = residuals(groups, picture);
     let mut found = vec![vec![0.0; size.pixels()]; 3];
     for level in 0..settings.levels {
         if monitor.cancelled() {
@@ -67,22 +71,21 @@ pub fn add_significant_residual(
     Ok(())
 }
 
-/// The share of each bucket in the mean of every pixel.
-fn bucket_shares(counts: &SampleCounts, pixels: usize, buckets: usize) -> Vec<Vec<f32>> {
-    let share = |pixel: usize, bucket: usize| {
-        counts.in_group(pixel, bucket, buckets) as f32 / counts.total[pixel].max(1) as f32
-    };
-    (0..buckets).map(|bucket| (0..pixels).map(|pixel| share(pixel, bucket)).collect()).collect()
+/// The share of each group in the mean of every pixel.
+fn group_shares(counts: &SampleCounts, pixels: usize, groups: usize) -> Vec<Vec<f32>> {
+    let share =
+        |pixel: usize, group: usize| counts.in_group(pixel, group, groups) as f32 / counts.total[pixel].max(1) as f32;
+    (0..groups).into_par_iter().map(|group| (0..pixels).map(|pixel| share(pixel, group)).collect()).collect()
 }
 
-/// Buckets minus `picture`, three planes for each bucket.
-fn residuals(buckets: &[Image], picture: &Image) -> Vec<Vec<f32>> {
-    buckets
-        .par_iter()
-        .flat_map_iter(|bucket| {
-            bucket.channels().iter().zip(picture.channels()).map(|(y, x)| y.iter().zip(x).map(|(y, x)| y - x).collect())
-        })
-        .collect()
+/// Groups minus `picture`, three planes for each group.
+fn residuals(mut groups: Vec<Image>, picture: &Image) -> Vec<Vec<f32>> {
+    for group in &mut groups {
+        for (y, x) in group.channels_mut().iter_mut().zip(picture.channels()) {
+            y.iter_mut().zip(x).for_each(|(y, x)| *y -= x);
+        }
+    }
+    groups.into_iter().flat_map(Image::into_channels).collect()
 }
 
 /// One scale of the residual.
@@ -97,20 +100,24 @@ struct Detail {
 
 impl Detail {
     fn of(fine: &[Vec<f32>], coarse: &[Vec<f32>], shares: &[Vec<f32>], relative: &[f32]) -> Self {
-        let pixels = relative.len();
-        let mut detail =
-            Self { mean: vec![vec![0.0; pixels]; 3], square: vec![0.0; pixels], variance: vec![0.0; pixels] };
-        for pixel in 0..pixels {
+        let pixel = |pixel: usize| {
             let filled = shares.iter().filter(|share| share[pixel] > 0.0).count();
-            for c in 0..3 {
-                let at = |b: usize| fine[3 * b + c][pixel] - coarse[3 * b + c][pixel];
-                let mean: f32 = shares.iter().enumerate().map(|(b, share)| share[pixel] * at(b)).sum();
-                let spread: f32 = shares.iter().enumerate().map(|(b, s)| s[pixel] * (at(b) - mean).powi(2)).sum();
-                detail.mean[c][pixel] = mean;
-                detail.square[pixel] += relative[pixel] * mean * mean;
-                detail.variance[pixel] += relative[pixel] * spread / filled.saturating_sub(1).max(1) as f32;
+            let scale = relative[pixel] / filled.saturating_sub(1).max(1) as f32;
+            let (mut means, mut square, mut variance) = ([0.0; 3], 0.0, 0.0);
+            for (c, mean) in means.iter_mut().enumerate() {
+                let at = |g: usize| fine[3 * g + c][pixel] - coarse[3 * g + c][pixel];
+                *mean = shares.iter().enumerate().map(|(g, share)| share[pixel] * at(g)).sum();
+                square += relative[pixel] * *mean * *mean;
+                let spread = |(g, share): (usize, &Vec<f32>)| share[pixel] * (at(g) - *mean).powi(2);
+                variance += scale * shares.iter().enumerate().map(spread).sum::<f32>();
             }
+            (means, square, variance)
+        };
+        let pixels: Vec<([f32; 3], f32, f32)> = (0..relative.len()).into_par_iter().map(pixel).collect();
+        Self {
+            mean: (0..3).map(|c| pixels.iter().map(|(mean, ..)| mean[c]).collect()).collect(),
+            square: pixels.iter().map(|(_, square, _)| *square).collect(),
+            variance: pixels.iter().map(|(.., variance)| *variance).collect(),
         }
-        detail
     }
 }

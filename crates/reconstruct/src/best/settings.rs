@@ -30,7 +30,7 @@ stack::knobs! {
     /// The collaborative regressions.
     pub struct FitSettings("fit") {
         /// Distance between the pixels that carry a fit; the pixels between them are predicted by their neighbours'.
-        stride: usize = 2, 1..=8;
+        stride: usize = 3, 1..=8;
         /// Radius of the first pass's window, in pixels.
         first_radius: usize = 9, 1..=32;
         /// Radius of the second pass's window, in pixels.

@@ -70,8 +70,11 @@ pub struct Ridge {
 /// Fits along a side of the tiles that are worked on one by one.
 const FITS: usize = 16;
 
+/// Side of the tiles in which single pixels get fits of their own.
+const SMALL_TILE: usize = 16;
+
 /// Tiles whose sums are held before they are added to the picture, in order.
-const WAVE: usize = 32;
+const WAVE: usize = 64;
 
 /// A pixel on which fits weigh less than one at the pixel itself would gets a fit of its own.
 const COVERED: f32 = 1.0;
@@ -90,18 +93,20 @@ pub fn collaborate(
     let mut sums: Vec<Sums> = kernels.iter().map(|_| Sums::zeros(size)).collect();
     let stride = fitted.stride;
     let on_lattice = |x: usize, y: usize| x % stride == stride / 2 && y % stride == stride / 2;
-    sweep(fitted, guide, kernels, &mut sums, |_, x, y| on_lattice(x, y), monitor)?;
+    let tiles = tiles_of(size, FITS * stride);
+    sweep(fitted, guide, kernels, &mut sums, &tiles, |_, x, y| on_lattice(x, y), monitor)?;
     if stride > 1 {
         let bare: Vec<Vec<bool>> = sums.iter().map(|sums| sums.lighter_than(COVERED)).collect();
-        sweep(fitted, guide, kernels, &mut sums, |kernel, x, y| bare[kernel][size.index(x, y)], monitor)?;
+        let is_bare = |kernel: usize, x: usize, y: usize| bare[kernel][size.index(x, y)];
+        sweep(fitted, guide, kernels, &mut sums, &tiles_of(size, SMALL_TILE), is_bare, monitor)?;
     }
     Ok(sums.into_iter().map(Sums::into_halves).collect())
 }
 
 /// How many units [`collaborate`] reports.
 pub fn units(size: Size, stride: usize) -> u64 {
-    let tiles = tiles_of(size, FITS * stride).len() as u64;
-    if stride > 1 { 2 * tiles } else { tiles }
+    let tiles = |side: usize| tiles_of(size, side).len() as u64;
+    tiles(FITS * stride) + if stride > 1 { tiles(SMALL_TILE) } else { 0 }
 }
 
 /// Adds the fits at the pixels that each kernel wants.
@@ -110,11 +115,11 @@ fn sweep(
     guide: &Guide,
     kernels: &[Kernel],
     sums: &mut [Sums],
+    tiles: &[Rectangle],
     wants: impl Fn(usize, usize, usize) -> bool + Sync,
     monitor: &dyn Monitor,
 ) -> Result<(), Cancelled> {
-    let size = guide.planes.size;
-    for wave in tiles_of(size, FITS * fitted.stride).chunks(WAVE) {
+    for wave in tiles.chunks(WAVE) {
         let parts: Vec<Vec<(Rectangle, Sums)>> = wave
             .par_iter()
             .map(|tile| {
