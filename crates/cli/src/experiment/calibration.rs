@@ -5,6 +5,9 @@ use stack::Image;
 /// Parts of equally many pixels that brightness is divided into.
 const PARTS: usize = 10;
 
+/// Share of the mean error below which a decile holds none worth estimating: black background, for one.
+const NEGLIGIBLE: f64 = 1e-4;
+
 /// A picture with its own estimate of its error, and what the truth is.
 pub struct Judged<'a> {
     pub picture: &'a Image,
@@ -23,8 +26,12 @@ pub struct Calibration {
     pub estimated: [f64; PARTS],
     /// Mean true error there.
     pub truth: [f64; PARTS],
+    /// Mean estimate and mean truth without the 0.1 % of pixels of the largest true error, in which chance decides.
+    pub trimmed: [f64; 2],
     /// Area between the sparsification curve and the oracle's, with the estimate's order and the raw variance's.
     pub areas: [f64; 2],
+    /// The same for errors relative to the squared brightness + 0.001.
+    pub relative_areas: [f64; 2],
 }
 
 impl Calibration {
@@ -33,9 +40,9 @@ impl Calibration {
         self.estimated.iter().sum::<f64>() / self.truth.iter().sum::<f64>()
     }
 
-    /// The same in each decile.
-    pub fn ratios(&self) -> [f64; PARTS] {
-        std::array::from_fn(|part| self.estimated[part] / self.truth[part])
+    /// The same in each decile; `None` where there is next to no error.
+    pub fn ratios(&self) -> [Option<f64>; PARTS] {
+        std::array::from_fn(|part| (self.truth[part] > NEGLIGIBLE).then(|| self.estimated[part] / self.truth[part]))
     }
 
     /// Means over pictures, each of which counts the same.
@@ -47,8 +54,11 @@ impl Calibration {
                 mean.estimated[part] += one.estimated[part] / count;
                 mean.truth[part] += one.truth[part] / count;
             }
-            mean.areas[0] += one.areas[0] / count;
-            mean.areas[1] += one.areas[1] / count;
+            for i in 0..2 {
+                mean.trimmed[i] += one.trimmed[i] / count;
+                mean.areas[i] += one.areas[i] / count;
+                mean.relative_areas[i] += one.relative_areas[i] / count;
+            }
         }
         mean
     }
@@ -59,16 +69,21 @@ pub fn calibrate(judged: &Judged) -> Calibration {
     let truth = true_errors(judged);
     let mean = average(&truth);
     let brightness: Vec<f64> = (0..truth.len())
-        .map(|pixel| judged.references.iter().map(|reference| f64::from(reference.mean_at(pixel))).sum())
+        .map(|pixel| judged.references.iter().map(|reference| f64::from(reference.mean_at(pixel))).sum::<f64>() / 2.0)
         .collect();
     let order = ascending(&brightness);
     let estimate: Vec<f64> = judged.mse.iter().map(|v| f64::from(*v)).collect();
     let raw: Vec<f64> = judged.raw_variance.iter().map(|v| f64::from(*v)).collect();
-    let oracle = area(&truth, &truth);
+    let kept = &ascending(&truth)[..truth.len() - truth.len().div_ceil(1000)];
+    let trimmed = [&estimate, &truth].map(|values| kept.iter().map(|pixel| values[*pixel]).sum::<f64>() / mean);
+    let relative =
+        |values: &[f64]| -> Vec<f64> { values.iter().zip(&brightness).map(|(v, b)| v / (b * b + 1e-3)).collect() };
     Calibration {
         estimated: by_part(&estimate, &order).map(|v| v / mean),
         truth: by_part(&truth, &order).map(|v| v / mean),
-        areas: [&estimate, &raw].map(|by| (area(&truth, by) - oracle) / mean),
+        trimmed,
+        areas: [&estimate, &raw].map(|by| area_to_oracle(&truth, by)),
+        relative_areas: [&estimate, &raw].map(|by| area_to_oracle(&relative(&truth), &relative(by))),
     }
 }
 
@@ -100,6 +115,11 @@ fn by_part(values: &[f64], order: &[usize]) -> [f64; PARTS] {
     })
 }
 
+/// Area between the sparsification curves in the order of `by` and in the best order, of the mean error.
+fn area_to_oracle(errors: &[f64], by: &[f64]) -> f64 {
+    (area(errors, by) - area(errors, errors)) / average(errors)
+}
+
 /// Area under the sparsification curve: the mean error of the pixels that are left, averaged over how many were removed,
 /// largest `by` first (Ilg et al. 2018).
 fn area(errors: &[f64], by: &[f64]) -> f64 {
@@ -129,7 +149,7 @@ mod tests {
         let judged =
             Judged { picture: &image(&picture), mse: &squares, raw_variance: &reversed, references: &references };
         let found = calibrate(&judged);
-        assert!(found.ratios().iter().all(|ratio| (ratio - 1.0).abs() < 1e-4), "{found:?}");
+        assert!(found.ratios().iter().flatten().all(|ratio| (ratio - 1.0).abs() < 1e-4), "{found:?}");
         assert!(found.areas[0].abs() < 1e-4, "{found:?}");
         // Errors 1 … n squared, largest kept longest: the means are those of the largest k.
         let from = |k: i32| (101 - k..=100).map(|i| f64::from(i * i)).sum::<f64>() / f64::from(k);

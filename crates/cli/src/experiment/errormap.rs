@@ -8,9 +8,10 @@ use stack::{FeatureStack, Image};
 
 use super::calibration::{Calibration, Judged, calibrate};
 use super::case::Case;
+use super::geometric_mean::geometric_mean;
 use super::reference::references;
 use super::scenes::Stage;
-use super::table::{Table, short};
+use super::table::{Table, maybe, short};
 use crate::args::ExperimentArgs;
 use crate::progress::Progress;
 use crate::render::Budget;
@@ -75,24 +76,38 @@ fn raw_variance(stack: &FeatureStack) -> Vec<f32> {
 fn calibration_table(title: &str, found: &[(String, Calibration)]) -> Table {
     let mut table =
         Table::new(format!("{title}: mean estimate ÷ mean truth, overall and by decile of brightness"), &[]);
-    table.head = ["picture", "overall"].map(String::from).to_vec();
+    table.head = ["picture", "overall", "trimmed"].map(String::from).to_vec();
     table.head.extend((1..=10).map(|decile| format!("{decile}")));
     let mut row = |name: &str, calibration: &Calibration| {
-        let ratios = calibration.ratios().into_iter().map(short);
-        table.rows.push([name.to_string(), short(calibration.ratio())].into_iter().chain(ratios).collect());
+        let [estimated, truth] = calibration.trimmed;
+        let cells = [name.to_string(), short(calibration.ratio()), short(estimated / truth)];
+        table.rows.push(cells.into_iter().chain(calibration.ratios().map(maybe)).collect());
     };
     found.iter().for_each(|(name, calibration)| row(name, calibration));
     row("all", &Calibration::pooled(found.iter().map(|(_, calibration)| calibration)));
+    table.rows.push(geometric_means(found));
     table
 }
 
-fn ranking_table(found: &[(String, Calibration)]) -> Table {
-    let head = ["picture", "mse", "raw variance", "mse ÷ raw variance"];
-    let mut table = Table::new("Area between the sparsification curve and the oracle's, of the mean error", &head);
-    let mut row = |name: &str, [mse, raw]: [f64; 2]| {
-        table.rows.push(vec![name.into(), short(mse), short(raw), short(mse / raw)]);
+/// Ratios of single pictures, so that no picture drowns the others.
+fn geometric_means(found: &[(String, Calibration)]) -> Vec<String> {
+    let of = |ratio: &dyn Fn(&Calibration) -> Option<f64>| {
+        let known = found.iter().filter_map(|(_, calibration)| ratio(calibration).filter(|ratio| *ratio > 0.0));
+        maybe(geometric_mean(known.map(Some)))
     };
-    found.iter().for_each(|(name, calibration)| row(name, calibration.areas));
-    row("all", Calibration::pooled(found.iter().map(|(_, calibration)| calibration)).areas);
+    let mut row = vec!["geometric mean".into(), of(&|c| Some(c.ratio())), of(&|c| Some(c.trimmed[0] / c.trimmed[1]))];
+    row.extend((0..10).map(|part| of(&|c: &Calibration| c.ratios()[part])));
+    row
+}
+
+fn ranking_table(found: &[(String, Calibration)]) -> Table {
+    let head = ["picture", "mse", "raw variance", "mse ÷ raw variance", "relative mse ÷ raw variance"];
+    let mut table = Table::new("Area between the sparsification curve and the oracle's, of the mean error", &head);
+    let mut row = |name: &str, calibration: &Calibration| {
+        let ([mse, raw], [relative, relative_raw]) = (calibration.areas, calibration.relative_areas);
+        table.rows.push(vec![name.into(), short(mse), short(raw), short(mse / raw), short(relative / relative_raw)]);
+    };
+    found.iter().for_each(|(name, calibration)| row(name, calibration));
+    row("all", &Calibration::pooled(found.iter().map(|(_, calibration)| calibration)));
     table
 }

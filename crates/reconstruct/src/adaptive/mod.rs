@@ -138,6 +138,22 @@ mod tests {
     }
 
     #[test]
+    fn totals_become_proportional_to_the_power_of_the_error_of_one_sample() {
+        let picture = Image::from_channels(Size::new(2, 1), vec![vec![1.0; 2]; 3]);
+        let counts = SampleCounts { total: vec![4, 12], ..SampleCounts::uniform(2, vec![4]) };
+        // One sample leaves errors in proportion 1 : 9, so that roots are 1 : 3; what was taken is so already.
+        let estimate = ErrorEstimate { mse: &[0.1, 0.3], picture: &picture, rank: None, counts: &counts };
+        let settings =
+            AdaptiveSettings { totals: true, power: 0.5, smoothing: 0, quantile: 1.0, ..AdaptiveSettings::DEFAULT };
+        assert_eq!(sample_map(&estimate, 16, &settings).count, [4, 12]);
+        let lop_sided = SampleCounts { total: vec![10, 2], ..counts.clone() };
+        let estimate = ErrorEstimate { mse: &[0.01, 0.45], counts: &lop_sided, ..estimate };
+        assert_eq!(sample_map(&estimate, 16, &settings).count, [0, 16], "7 of 28 it has already");
+        let alike = AdaptiveSettings { alike: 1.0, ..settings };
+        assert_eq!(sample_map(&estimate, 16, &alike).count, [4, 12], "up to 14 each");
+    }
+
+    #[test]
     fn samples_go_where_the_error_is_relative_to_brightness() {
         let size = Size::new(20, 20);
         let half = |a: f32, b: f32| (0..400).map(|i| if i % 20 < 10 { a } else { b }).collect::<Vec<_>>();
