@@ -50,6 +50,7 @@ impl Settings {
             Preset::Paper => {
                 let mut settings = Self::default();
                 settings.reconstruction.method.fit = Fit::Local;
+                settings.sampling = AdaptiveSettings::PAPER;
                 settings
             }
         }

@@ -17,8 +17,8 @@ stack::knobs! {
         /// Added to the squared luminance that errors are divided by (section 5): less of it sends more samples into
         /// the dark.
         epsilon: f32 = EPSILON, 1e-8..=1.0;
-        /// Errors are cut off at this quantile of all pixels (section 5), 0 to 1.
-        quantile: f32 = 0.95, 0.0..=1.0;
+        /// Errors are cut off at this quantile of all pixels (section 5: 0.95), 0 to 1.
+        quantile: f32 = 0.99, 0.0..=1.0;
         /// Times the map is smoothed by a 3×3 Gaussian (section 5: once). A wide filter shares its samples: what drives
         /// them should be no sharper.
         smoothing: u32 = 1, 0..=256;
@@ -35,9 +35,14 @@ stack::knobs! {
     }
 }
 
+impl AdaptiveSettings {
+    /// The paper's.
+    pub const PAPER: Self = Self { quantile: 0.95, ..Self::DEFAULT };
+}
+
 /// Which samples to take next: `budget` of them (all pixels together), distributed by the error reduction to expect,
 /// ΔMSE = MSE·n^(−4/(k+4)) relative to α̂² + ε, where α̂ is the luminance, the mean over RGB. The map is smoothed by a 3×3
-/// Gaussian and cut off at the 95 % quantile; samples are proportional to it, rounded up, and handed out from the largest
+/// Gaussian and cut off at a quantile; samples are proportional to it, rounded up, and handed out from the largest
 /// error down until the budget is gone. Every pixel goes on where its samples ended.
 ///
 /// The counts add up to exactly `budget`, unless the picture is empty.
@@ -124,7 +129,7 @@ mod tests {
     fn map_of(mse: &[f32], picture: &Image, counts: &SampleCounts, budget: u64) -> SampleMap {
         let rank = vec![3.0; mse.len()];
         let estimate = ErrorEstimate { mse, picture, rank: Some(&rank), counts };
-        sample_map(&estimate, budget, &AdaptiveSettings::DEFAULT)
+        sample_map(&estimate, budget, &AdaptiveSettings::PAPER)
     }
 
     #[test]

@@ -46,7 +46,7 @@ stack::knobs! {
         /// Passes: with one, the first picture is the last; faster and coarser.
         passes: usize = 2, 1..=2;
         /// Whether a residual counts in proportion to its pixel's samples, where they differ.
-        weigh_samples: bool = false, ..;
+        weigh_samples: bool = true, ..;
         /// Whether residuals count relative to the pilot's brightness, so that bright pixels do not smear into dark
         /// ones.
         relative: bool = true, ..;
