@@ -18,6 +18,7 @@ mod pipeline;
 pub mod prefilter;
 pub mod rectangle;
 pub mod regression;
+pub mod rivals;
 mod settings;
 pub mod spikes;
 #[cfg(test)]

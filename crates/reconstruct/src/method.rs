@@ -7,6 +7,16 @@ stack::knob_choice! {
         Ours = "ours",
         /// None: the mean of the samples, with its variance as error.
         Ld = "ld",
+        /// Weighted local regression (Moon, Carr, Yoon 2014).
+        Wlr = "wlr",
+        /// The same with the pilot bandwidth of the paper (its figure 2).
+        Wlrp = "wlrp",
+        /// The same with visibility among its features (the paper's figure 3).
+        Wlrv = "wlrv",
+        /// Nonlinearly weighted first-order regression (Bitterli et al. 2016).
+        Nfor = "nfor",
+        /// Adaptive polynomial rendering (Moon et al. 2016).
+        Apr = "apr",
     }
 }
 

@@ -111,20 +111,45 @@ impl<'a> PatchDistance<'a> {
 
 /// D(c, q) of eq. 10 summed over channels, for consecutive pixels c from `here` and q from `there`.
 #[inline(always)]
-fn pixel_distances(planes: NoisyPlanes, here: usize, there: usize, comparison: Comparison, out: &mut [f32]) {
+pub fn pixel_distances(planes: NoisyPlanes, here: usize, there: usize, comparison: Comparison, out: &mut [f32]) {
+    if let ([a, b, c], [va, vb, vc]) = (planes.values, planes.variances) {
+        // Colours, and most features: all three channels at once.
+        return three_channels([a, b, c], [va, vb, vc], [here, there], comparison, out);
+    }
     out.fill(0.0);
-    let Comparison { epsilon, noise_taken_off, .. } = comparison;
     let count = out.len();
     for (values, variances) in planes.values.iter().zip(planes.variances) {
         let (y_c, y_q) = (&values[here..][..count], &values[there..][..count]);
         let (var_c, var_q) = (&variances[here..][..count], &variances[there..][..count]);
         for i in 0..count {
-            let difference = y_c[i] - y_q[i];
-            let least = if var_c[i] < var_q[i] { var_c[i] } else { var_q[i] };
-            out[i] +=
-                (difference * difference - noise_taken_off * (var_c[i] + least)) / (epsilon + var_c[i] + var_q[i]);
+            out[i] += distance(y_c[i], y_q[i], var_c[i], var_q[i], comparison);
         }
     }
+}
+
+#[inline(always)]
+fn three_channels(
+    values: [&Vec<f32>; 3],
+    variances: [&Vec<f32>; 3],
+    [here, there]: [usize; 2],
+    comparison: Comparison,
+    out: &mut [f32],
+) {
+    let count = out.len();
+    let [y_c, var_c] = [values, variances].map(|planes| planes.map(|plane| &plane[here..][..count]));
+    let [y_q, var_q] = [values, variances].map(|planes| planes.map(|plane| &plane[there..][..count]));
+    for i in 0..count {
+        let of_channel = |c: usize| distance(y_c[c][i], y_q[c][i], var_c[c][i], var_q[c][i], comparison);
+        out[i] = of_channel(0) + of_channel(1) + of_channel(2);
+    }
+}
+
+/// D(c, q) of eq. 10 for one channel.
+#[inline(always)]
+fn distance(y_c: f32, y_q: f32, var_c: f32, var_q: f32, comparison: Comparison) -> f32 {
+    let difference = y_c - y_q;
+    let least = if var_c < var_q { var_c } else { var_q };
+    (difference * difference - comparison.noise_taken_off * (var_c + least)) / (comparison.epsilon + var_c + var_q)
 }
 
 #[cfg(test)]

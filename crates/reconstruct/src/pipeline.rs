@@ -5,8 +5,10 @@ use stack::{Cancelled, Component, ComponentRole, Fault, FeatureStack, Image, Mon
 use crate::emission::{rebuild_emission, with_emission_apart};
 use crate::method::{Fit, Method};
 use crate::prefilter::{FeatureSet, PrefilterError, prefilter};
+use crate::rivals::Rival;
+use crate::rivals::wlr::Variant;
 use crate::variance::known_everywhere;
-use crate::{Settings, best, paper};
+use crate::{Settings, best, paper, rivals};
 
 /// A reconstructed picture and what is known about it, one value per pixel and plane. What a method does not have is
 /// `None`.
@@ -98,6 +100,11 @@ pub fn reconstruct(
     match settings.method.method {
         Method::Ld => sum_of_components(stack.size(), &stack.components, |component| unfiltered(stack, component)),
         Method::Ours => ours(stack, settings, monitor),
+        Method::Wlr => rivals::reconstruct(stack, Rival::Wlr(Variant::Plain), settings, monitor),
+        Method::Wlrp => rivals::reconstruct(stack, Rival::Wlr(Variant::Pilot), settings, monitor),
+        Method::Wlrv => rivals::reconstruct(stack, Rival::Wlr(Variant::Visibility), settings, monitor),
+        Method::Nfor => rivals::reconstruct(stack, Rival::Nfor, settings, monitor),
+        Method::Apr => rivals::reconstruct(stack, Rival::Apr, settings, monitor),
     }
 }
 
@@ -125,7 +132,7 @@ fn ours(stack: &FeatureStack, settings: &Settings, monitor: &dyn Monitor) -> Res
 }
 
 /// What `rebuild` makes of every component that is not black, added up.
-fn sum_of_components(
+pub(crate) fn sum_of_components(
     size: Size,
     components: &[Component],
     rebuild: impl Fn(&Component) -> Result<Reconstruction, ReconstructError>,
@@ -142,7 +149,7 @@ fn is_lit(component: &Component) -> bool {
 }
 
 /// Variance of the mean of `component`, known everywhere.
-fn variance_of(stack: &FeatureStack, component: &Component) -> Result<Image, ReconstructError> {
+pub(crate) fn variance_of(stack: &FeatureStack, component: &Component) -> Result<Image, ReconstructError> {
     let variance = component
         .radiance
         .variance_of_mean(&stack.samples)

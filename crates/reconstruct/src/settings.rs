@@ -4,6 +4,9 @@ use crate::best::BestSettings;
 use crate::method::MethodSettings;
 use crate::prefilter::PrefilterSettings;
 use crate::regression::RegressionSettings;
+use crate::rivals::apr::AprSettings;
+use crate::rivals::nfor::NforSettings;
+use crate::rivals::wlr::WlrSettings;
 use crate::spikes::SpikeSettings;
 
 stack::knob_groups! {
@@ -19,5 +22,11 @@ stack::knob_groups! {
         regression: RegressionSettings,
         /// How the collaborative fit rebuilds.
         best: BestSettings,
+        /// Weighted local regression.
+        wlr: WlrSettings,
+        /// Nonlinearly weighted first-order regression.
+        nfor: NforSettings,
+        /// Adaptive polynomial rendering.
+        apr: AprSettings,
     }
 }

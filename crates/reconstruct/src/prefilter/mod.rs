@@ -12,7 +12,7 @@ use stack::{Cancelled, Fault, Feature, FeatureRole, FeatureStack, Monitor, Size}
 use crate::patch_distance::NoisyPlanes;
 use crate::variance::smoothed;
 use normalise::NormalisedFeature;
-pub(crate) use normalise::normalised;
+pub(crate) use normalise::{normalised, normalised_halves};
 use propagation::{Shape, propagation_filter, tile_count};
 
 /// Features ready for regression: one plane per channel, all on comparable scales.
@@ -157,7 +157,8 @@ pub(crate) fn guides(stack: &FeatureStack) -> Result<Vec<&Feature>, PrefilterErr
     Ok(guides)
 }
 
-fn check(feature: &Feature, size: Size) -> Result<(), PrefilterError> {
+/// Whether `feature` has as many channels as its role and the `size` of the stack.
+pub(crate) fn check(feature: &Feature, size: Size) -> Result<(), PrefilterError> {
     let (name, mean) = (feature.role.layer(), &feature.estimate.mean);
     let (expected, found) = (feature.role.channels().len(), mean.channels().len());
     if found != expected {

@@ -74,6 +74,25 @@ pub fn normalised(feature: &Feature, counts: &SampleCounts, source: VarianceSour
     NormalisedFeature { planes: planes.collect(), variance: normalised_variance(feature, counts, source, &map) }
 }
 
+/// Both halves of `feature` mapped like its mean, see [`normalised`]; where one holds no sample, it has the mean's value.
+/// `None` when it does not come in buckets.
+pub fn normalised_halves(feature: &Feature, counts: &SampleCounts) -> Option<[Vec<Vec<f32>>; 2]> {
+    let (map, halves) = (Normalisation::of(feature), feature.estimate.halves(counts)?);
+    let limit = partial_limit(feature.role);
+    let planes = |half: usize| {
+        let channels = halves[half].channels().iter().zip(feature.estimate.mean.channels()).enumerate();
+        let mapped = channels.map(|(c, (part, mean))| {
+            let filled = |pixel: usize| if counts.in_group(pixel, half, 2) > 0 { part[pixel] } else { mean[pixel] };
+            let mut plane: Vec<f32> = (0..mean.len()).map(|pixel| map.within(limit, c, filled(pixel))).collect();
+            fill_unknown(&mut plane, feature.estimate.mean.size());
+            plane.iter_mut().filter(|v| v.is_nan()).for_each(|v| *v = 0.0);
+            plane
+        });
+        mapped.collect()
+    };
+    Some([planes(0), planes(1)])
+}
+
 fn normalised_variance(
     feature: &Feature,
     counts: &SampleCounts,
@@ -145,6 +164,18 @@ mod tests {
         assert_eq!(planes(&lost), [[0.0; 4]]);
         let flat = row(FeatureRole::Depth, &[&[3.0, 3.0, f32::INFINITY, 3.0]], Noise::Unknown);
         assert_eq!(planes(&flat), [[0.0; 4]]);
+    }
+
+    #[test]
+    fn halves_go_through_the_same_map() {
+        let half = |v: &[f32]| Image::from_channels(Size::new(2, 1), vec![v.to_vec()]);
+        let counts = SampleCounts::uniform(2, vec![1, 1]);
+        let buckets = vec![half(&[0.0, 4.0]), half(&[2.0, 6.0])];
+        let depth = Feature { role: FeatureRole::Depth, estimate: Estimate::from_buckets(buckets, &counts) };
+        // The means 1 and 5 become −1 and 1; halves reach beyond.
+        assert_eq!(normalised_halves(&depth, &counts), Some([vec![vec![-1.5, 0.5]], vec![vec![-0.5, 1.5]]]));
+        let unknown = Feature { estimate: Estimate { noise: Noise::Unknown, ..depth.estimate }, ..depth };
+        assert_eq!(normalised_halves(&unknown, &counts), None);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use super::cholesky::{factor, substitute_back};
 use super::field::Field;
 use super::lanes::Lanes;
 use super::normal_equations::NormalEquations;
-use super::window::Window;
+use super::window::{Trust, Window};
 
 stack::knobs! {
     /// The bandwidth factors b_j (section 3.1, after Moon et al. 2014).
@@ -39,12 +39,12 @@ impl<S: Simd> Curvature<S> {
     }
 
     /// Fits 1, z_j and z_j² (j < `rank`) to each colour channel with a kernel of bandwidth 1, H_j being twice the mean
-    /// size of the coefficients of z_j².
+    /// size of the coefficients of z_j². Weights are multiplied by the neighbours' `trust`.
     #[inline(always)]
     pub(crate) fn find(
         &mut self,
         field: &Field,
-        window: &Window<S>,
+        (window, trust): (&Window<S>, &impl Trust<S>),
         projection: &Projection<S>,
         rank: usize,
         settings: &CurvatureSettings,
@@ -55,7 +55,7 @@ impl<S: Simd> Curvature<S> {
         }
         let (unknowns, width) = (2 * rank + 1, 2 * rank + 4);
         self.normal.begin(width);
-        self.add_neighbours(field, window, projection, rank);
+        self.add_neighbours(field, (window, trust), projection, rank);
         let ridge = self.normal.matrix[0] * settings.ridge;
         self.normal.add_ridge(0..unknowns, ridge);
         let matrix = &mut self.normal.matrix;
@@ -73,14 +73,20 @@ impl<S: Simd> Curvature<S> {
 
     /// The normal equations of 1, z_j, z_j², and the colours in the last three columns.
     #[inline(always)]
-    fn add_neighbours(&mut self, field: &Field, window: &Window<S>, projection: &Projection<S>, rank: usize) {
+    fn add_neighbours(
+        &mut self,
+        field: &Field,
+        (window, trust): (&Window<S>, &impl Trust<S>),
+        projection: &Projection<S>,
+        rank: usize,
+    ) {
         let (zero, one) = (Lanes::splat(self.simd, 0.0), Lanes::splat(self.simd, 1.0));
         let centre = [0, 1, 2].map(|c| field.at(self.simd, field.colour(c), window.x, window.y));
         for (row, y) in window.rows.clone().enumerate() {
             let colour = [0, 1, 2].map(|c| field.row(field.colour(c), window.x, y));
-            for (column, inside) in window.inside.iter().enumerate() {
+            for column in 0..window.inside.len() {
                 let z = &projection.of(row * field.columns() + column)[..rank];
-                let mut weight = *inside;
+                let mut weight = trust.of(row, column);
                 for z in z {
                     weight = weight * (one - z.squared()).positive_part();
                 }
@@ -135,7 +141,7 @@ mod tests {
             reduction.find(&field, &mut window, Normalisation::None, &settings.reduction);
             projection.find(&field, &window, &reduction, &settings.bandwidth);
             let faint = CurvatureSettings { ridge: 1e-6, ..settings.curvature };
-            curvature.find(&field, &window, &projection, 1, &faint);
+            curvature.find(&field, (&window, &window), &projection, 1, &faint);
             // H is twice the mean of 3, 1 and 0.5.
             let expected = 1.0 / (3.0f32 + 0.16).sqrt();
             let found = curvature.factors[0].to_array()[0];

@@ -7,7 +7,7 @@ use super::cholesky::{factor, first_row_of_inverse};
 use super::field::Field;
 use super::lanes::{Lanes, Mask};
 use super::normal_equations::NormalEquations;
-use super::window::Window;
+use super::window::{Trust, Window};
 
 stack::knobs! {
     /// The local linear estimate (eqs. 2–7).
@@ -25,13 +25,19 @@ pub(crate) struct Estimate<S: Simd> {
     pub(crate) colour: [Lanes<S>; 3],
     /// Mean squared error (eq. 7), mean over the channels.
     pub(crate) mse: Lanes<S>,
+    /// Bias (eq. 5), mean over the channels.
+    pub(crate) bias: Lanes<S>,
+    /// Variance (eq. 6), mean over the channels.
+    pub(crate) variance: Lanes<S>,
 }
 
 impl<S: Simd> Estimate<S> {
     #[inline(always)]
     fn replaced_where(self, mask: Mask<S>, other: Self) -> Self {
         let colour = [0, 1, 2].map(|c| mask.select(other.colour[c], self.colour[c]));
-        Self { colour, mse: mask.select(other.mse, self.mse) }
+        let [mse, bias, variance] = [(other.mse, self.mse), (other.bias, self.bias), (other.variance, self.variance)]
+            .map(|(yes, no)| mask.select(yes, no));
+        Self { colour, mse, bias, variance }
     }
 }
 
@@ -66,12 +72,12 @@ impl<S: Simd> LocalLinear<S> {
     }
 
     /// The estimate in `rank` dimensions with bandwidths h·`factors`, and where no neighbour had a weight: there the
-    /// pixel was kept as it is.
+    /// pixel was kept as it is. Weights are multiplied by the neighbours' `trust`.
     #[inline(always)]
     pub(crate) fn estimate(
         &mut self,
         field: &Field,
-        window: &Window<S>,
+        (window, trust): (&Window<S>, &impl Trust<S>),
         projection: &Projection<S>,
         factors: &[Lanes<S>],
         rank: usize,
@@ -82,24 +88,30 @@ impl<S: Simd> LocalLinear<S> {
             self.narrow[j] = one / (projection.shared * factors[j]);
         }
         self.normal.begin((rank + 1).next_multiple_of(2));
-        self.add_neighbours(field, window, projection, rank);
-        // The pixel itself always weighs 1.
-        let accompanied = one.less_than(self.normal.matrix[0]);
+        self.add_neighbours(field, (window, trust), projection, rank);
+        // The pixel's own kernel weight is 1.
+        let accompanied = trust.own().less_than(self.normal.matrix[0]);
         self.find_kernel(projection, rank, settings.ridge);
         (self.apply_kernel(field, window), accompanied.not())
     }
 
     /// The normal equations of eq. 4, in units of the bandwidth: Σ w (1, u)(1, u)ᵀ with u_j = z_j/(h b_j).
     #[inline(always)]
-    fn add_neighbours(&mut self, field: &Field, window: &Window<S>, projection: &Projection<S>, rank: usize) {
+    fn add_neighbours(
+        &mut self,
+        field: &Field,
+        (window, trust): (&Window<S>, &impl Trust<S>),
+        projection: &Projection<S>,
+        rank: usize,
+    ) {
         let (zero, one) = (Lanes::splat(self.simd, 0.0), Lanes::splat(self.simd, 1.0));
         self.near.clear();
         self.kernel.clear();
         for row in 0..window.rows.len() {
-            for (column, inside) in window.inside.iter().enumerate() {
+            for column in 0..window.inside.len() {
                 let index = row * field.columns() + column;
                 let z = &projection.of(index)[..rank];
-                let mut weight = *inside;
+                let mut weight = trust.of(row, column);
                 for (z, narrow) in z.iter().zip(&self.narrow) {
                     weight = weight * (one - (*z * *narrow).squared()).positive_part();
                 }
@@ -189,7 +201,9 @@ impl<S: Simd> LocalLinear<S> {
         for c in 0..3 {
             mse += (bias[c].squared() + variance[c]) * (1.0 / 3.0);
         }
-        Estimate { colour: [0, 1, 2].map(|c| centre[c] + bias[c]), mse }
+        let mean = |values: [Lanes<S>; 3]| (values[0] + values[1] + values[2]) * (1.0 / 3.0);
+        let colour = [0, 1, 2].map(|c| centre[c] + bias[c]);
+        Estimate { colour, mse, bias: mean(bias), variance: mean(variance) }
     }
 }
 
@@ -220,10 +234,10 @@ mod tests {
             reduction.find(&field, &mut window, Normalisation::Window, &settings.reduction);
             projection.find(&field, &window, &reduction, &settings.bandwidth);
             let rank = reduction.largest_rank;
-            curvature.find(&field, &window, &projection, rank, &settings.curvature);
+            curvature.find(&field, (&window, &window), &projection, rank, &settings.curvature);
             local_linear.estimate(
                 &field,
-                &window,
+                (&window, &window),
                 &projection,
                 &curvature.factors,
                 rank,

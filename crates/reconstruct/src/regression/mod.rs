@@ -5,24 +5,24 @@
 //! the curvature along each direction (`curvature`); the local linear estimate and its error (`local_linear`, section
 //! 3.1). Neighbouring pixels take them side by side, in the lanes of the processor's vectors (`lanes`).
 
-mod bandwidth;
-mod cholesky;
-mod curvature;
-mod field;
-mod lanes;
-mod local_linear;
+pub(crate) mod bandwidth;
+pub(crate) mod cholesky;
+pub(crate) mod curvature;
+pub(crate) mod field;
+pub(crate) mod lanes;
+pub(crate) mod local_linear;
 mod matrix;
-mod normal_equations;
+pub(crate) mod normal_equations;
 mod power_iteration;
-mod reduce;
+pub(crate) mod reduce;
 mod robust_pca;
 mod row;
 mod symmetric_eigen;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]
-mod twin;
-mod window;
+pub(crate) mod twin;
+pub(crate) mod window;
 
 use rayon::prelude::*;
 use stack::{Cancelled, Image, Monitor};

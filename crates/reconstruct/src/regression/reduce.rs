@@ -5,7 +5,7 @@ use pulp::Simd;
 use super::field::Field;
 use super::lanes::{Lanes, MOST_LANES};
 use super::robust_pca::{Lambda, Order, RobustPca, Schedule};
-use super::window::{Normalisation, Window};
+use super::window::{Normalisation, Origin, Window};
 
 stack::knob_choice! {
     /// How the low-rank part of the window's feature matrix is found.
@@ -149,6 +149,37 @@ impl<S: Simd> Reduction<S> {
         self.fill_basis(window);
     }
 
+    /// Finds rank and basis by the truncated singular value decomposition of Moon et al. 2014, section 4: of the
+    /// features about their mean, directions with σ > `thin` + C‖E‖₂ are kept, at least two. `error` gives ‖E‖_F²,
+    /// expected from the features' own variances, once the window's scales are known; ‖E‖₂ is taken for ‖E‖_F over the
+    /// root of the number of directions, as their program does.
+    #[inline(always)]
+    pub(crate) fn truncate(
+        &mut self,
+        field: &Field,
+        window: &mut Window<S>,
+        (stride, thin, perturbation): (usize, f32, f32),
+        error: impl Fn(&Window<S>, Lanes<S>) -> Lanes<S>,
+    ) {
+        window.normalise(field, Normalisation::Window);
+        self.list_features(window);
+        self.rank = [0; MOST_LANES];
+        if !self.listed.is_empty() {
+            let step = if field.radius > WHOLE_RADIUS { stride } else { 1 };
+            let shape = (step, Origin::Mean);
+            let rows = window.lattice(field, shape, &self.listed, self.width, &mut self.pca.data);
+            self.pca.keep_all(self.width, &self.listed, field.features);
+            let errors = error(window, rows).to_array();
+            for lane in 0..Lanes::<S>::COUNT {
+                self.sort_directions(lane);
+                self.rank[lane] = truncated_rank(&self.found, errors[lane], thin, perturbation);
+            }
+        }
+        self.largest_rank = self.rank.iter().copied().max().unwrap_or(0);
+        self.columns = self.largest_rank.next_multiple_of(2).max(2);
+        self.fill_basis(window);
+    }
+
     #[inline(always)]
     fn list_features(&mut self, window: &Window<S>) {
         let zero = Lanes::splat(self.simd, 0.0);
@@ -165,7 +196,7 @@ impl<S: Simd> Reduction<S> {
     fn decompose(&mut self, field: &Field, window: &Window<S>, settings: &ReductionSettings) {
         let step = if field.radius > WHOLE_RADIUS { settings.stride } else { 1 };
         let (width, all) = (self.width, field.features);
-        let rows = window.lattice(field, step, &self.listed, width, &mut self.pca.data);
+        let rows = window.lattice(field, (step, Origin::Pixel), &self.listed, width, &mut self.pca.data);
         match settings.method {
             ReductionMethod::Svd => self.pca.keep_all(width, &self.listed, all),
             ReductionMethod::RobustPca => {
@@ -181,17 +212,23 @@ impl<S: Simd> Reduction<S> {
     fn choose_ranks(&mut self, settings: &ReductionSettings) {
         let error_norms = self.pca.error_norm.to_array();
         for lane in 0..Lanes::<S>::COUNT {
-            self.found.clear();
-            for index in 0..self.width {
-                let singular = self.pca.singular[index].to_array()[lane];
-                let strength = self.pca.strengths[index].to_array()[lane];
-                self.found.push(Direction { index, singular, strength });
-            }
-            self.found.sort_unstable_by(|a, b| b.strength.total_cmp(&a.strength));
+            self.sort_directions(lane);
             self.rank[lane] = rank_of(&self.found, error_norms[lane], settings);
-            for (place, direction) in self.found.iter().enumerate() {
-                self.kept[lane * self.width + place] = direction.index;
-            }
+        }
+    }
+
+    /// Sorts the singular vectors of a pixel, the strongest first.
+    #[inline(always)]
+    fn sort_directions(&mut self, lane: usize) {
+        self.found.clear();
+        for index in 0..self.width {
+            let singular = self.pca.singular[index].to_array()[lane];
+            let strength = self.pca.strengths[index].to_array()[lane];
+            self.found.push(Direction { index, singular, strength });
+        }
+        self.found.sort_unstable_by(|a, b| b.strength.total_cmp(&a.strength));
+        for (place, direction) in self.found.iter().enumerate() {
+            self.kept[lane * self.width + place] = direction.index;
         }
     }
 
@@ -213,6 +250,15 @@ impl<S: Simd> Reduction<S> {
             }
         }
     }
+}
+
+/// Rank after truncation, see [`Reduction::truncate`]; `error` is ‖E‖_F².
+fn truncated_rank(directions: &[Direction], error: f32, thin: f32, perturbation: f32) -> usize {
+    let strongest = directions.first().map_or(0.0, |d| d.strength);
+    let existing = directions.iter().take_while(|d| d.strength > EXISTS * strongest).count();
+    let norm = (error / existing.max(1) as f32).sqrt();
+    let kept = directions.iter().take_while(|d| d.strength > thin + perturbation * norm).count();
+    kept.max(LEAST_RANK).min(existing)
 }
 
 /// Rank k from the `directions` of a pixel, strongest first (section 4.3).
@@ -285,6 +331,16 @@ mod tests {
         assert_eq!(rank_of(&one, 0.0, &settings(RankRule::Larger)), 1);
         one[0] = Direction { index: 0, singular: 0.0, strength: 0.0 };
         assert_eq!(rank_of(&one, 0.0, &settings(RankRule::Larger)), 0);
+    }
+
+    #[test]
+    fn truncation_drops_what_the_features_own_noise_explains() {
+        let found = directions(&[6.0, 2.0, 1.5, 0.3, 0.2]);
+        // ‖E‖₂ is √(0.8/5) = 0.4: four times that lies between the second and the third.
+        assert_eq!(truncated_rank(&found, 0.8, 0.01, 4.0), 2);
+        assert_eq!(truncated_rank(&found, 0.2, 0.01, 4.0), 3);
+        assert_eq!(truncated_rank(&found, 0.0, 0.01, 4.0), 5);
+        assert_eq!(truncated_rank(&found, 100.0, 0.01, 4.0), 2);
     }
 
     #[test]

@@ -123,15 +123,15 @@ impl<S: Simd> Workspace<S> {
         let (window, projection) = (&mut self.window, &mut self.projection);
         let begin = Instant::now();
         self.reduction.find(field, window, settings.window.normalise, &settings.reduction);
-        let rank = self.reduction.largest_rank;
+        let (rank, window) = (self.reduction.largest_rank, &*window);
         let reduced = Instant::now();
         projection.find(field, window, &self.reduction, &settings.bandwidth);
         let projected = Instant::now();
-        self.curvature.find(field, window, projection, rank, &settings.curvature);
+        self.curvature.find(field, (window, window), projection, rank, &settings.curvature);
         let bent = Instant::now();
         let factors = &self.curvature.factors;
         let (estimate, alone) =
-            self.local_linear.estimate(field, window, projection, factors, rank, &settings.local_linear);
+            self.local_linear.estimate(field, (window, window), projection, factors, rank, &settings.local_linear);
         let times = [begin, reduced, projected, bent, Instant::now()];
         for (sum, step) in seconds.iter_mut().zip(times.windows(2)) {
             *sum += (step[1] - step[0]).as_secs_f64();

@@ -27,6 +27,37 @@ stack::knobs! {
     }
 }
 
+/// What a neighbour's kernel weight is multiplied by, before a fit looks at it.
+pub(crate) trait Trust<S: Simd> {
+    /// The factor of the neighbour in row `row` of the window, column `column`; 0 outside the picture.
+    fn of(&self, row: usize, column: usize) -> Lanes<S>;
+
+    /// What the weights must sum to more than for a pixel not to be alone: its own factor.
+    fn own(&self) -> Lanes<S>;
+}
+
+/// All neighbours inside the picture are trusted alike.
+impl<S: Simd> Trust<S> for Window<S> {
+    #[inline(always)]
+    fn of(&self, _row: usize, column: usize) -> Lanes<S> {
+        self.inside[column]
+    }
+
+    #[inline(always)]
+    fn own(&self) -> Lanes<S> {
+        Lanes::splat(self.simd, 1.0)
+    }
+}
+
+/// What features are measured from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Origin {
+    /// The pixel itself, as in the paper.
+    Pixel,
+    /// The mean of its window, as in Moon et al. 2014.
+    Mean,
+}
+
 /// A feature group's norms are divided by no less than this.
 const SMALLEST_NORM: f32 = 0.01;
 /// A feature that varies by no more than this in a window is constant: what is left is rounding.
@@ -169,14 +200,14 @@ impl<S: Simd> Window<S> {
         }
     }
 
-    /// Writes the matrix D of section 4.3: scaled x_i − x_c of every neighbour whose offsets are multiples of `step`,
-    /// zero outside the picture, in rows of `width` numbers; as many rows as a multiple of 4. Returns how many of the
+    /// Writes the matrix D of section 4.3: scaled x_i − x_c (or, from [`Origin::Mean`], x_i less the window's mean) of
+    /// every neighbour whose offsets are multiples of `step`, zero outside the picture, in rows of `width` numbers; as many rows as a multiple of 4. Returns how many of the
     /// rows lie inside the picture.
     #[inline(always)]
     pub(crate) fn lattice(
         &self,
         field: &Field,
-        step: usize,
+        (step, origin): (usize, Origin),
         listed: &[usize],
         width: usize,
         to: &mut Vec<Lanes<S>>,
@@ -192,7 +223,10 @@ impl<S: Simd> Window<S> {
             down += 1;
             for column in (field.radius - reach..=field.radius + reach).step_by(step) {
                 for feature in listed {
-                    let centre = field.at(self.simd, *feature, self.x, self.y);
+                    let centre = match origin {
+                        Origin::Pixel => field.at(self.simd, *feature, self.x, self.y),
+                        Origin::Mean => self.means[*feature],
+                    };
                     let value = Lanes::load(self.simd, &field.row(*feature, self.x, y)[column..]);
                     to.push((value - centre) * self.scales[*feature] * self.inside[column]);
                 }
@@ -250,7 +284,7 @@ mod tests {
         window.move_to(&field, 2, 0);
         window.normalise(&field, Normalisation::None);
         let mut rows = vec![];
-        let inside = window.lattice(&field, 2, &[0, 1], 2, &mut rows);
+        let inside = window.lattice(&field, (2, Origin::Pixel), &[0, 1], 2, &mut rows);
         assert_eq!(inside.to_array()[0], 2.0);
         // Offsets −2, 0 and 2, the last of which is outside, and a row of padding.
         let values: Vec<f32> = rows.iter().map(|v| v.to_array()[0]).collect();

@@ -4,7 +4,7 @@
 //! tile would look like a spike.
 
 pub mod alm;
-mod replace;
+pub(crate) mod replace;
 mod shrinkage;
 mod spectral_norm;
 mod tiles;

@@ -1,0 +1,70 @@
+//! Published methods to compare ours with, on the same stacks.
+//!
+//! Each looks at the samples as ours does: means, half-buffers and variances of radiance and features. What a paper
+//! leaves open follows its authors' own program, as far as that is public. Directly seen emission is no matter of these
+//! papers: it is a component of its own and rebuilt as it is for ours.
+
+pub mod apr;
+mod guides;
+pub mod nfor;
+pub mod wlr;
+
+use std::borrow::Cow;
+
+use stack::{Component, ComponentRole, FeatureStack, Monitor};
+
+use crate::Settings;
+use crate::emission::{rebuild_emission, with_emission_apart};
+use crate::pipeline::{ReconstructError, Reconstruction, sum_of_components, variance_of};
+use crate::prefilter::prefilter;
+
+/// A published method.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rival {
+    /// Weighted local regression.
+    Wlr(wlr::Variant),
+    /// Nonlinearly weighted first-order regression.
+    Nfor,
+    /// Adaptive polynomial rendering.
+    Apr,
+}
+
+/// Rebuilds `stack` by the method `rival`.
+///
+/// # Errors
+/// When the noise of a component is unknown, there is no feature, or `monitor` cancels.
+pub fn reconstruct(
+    stack: &FeatureStack,
+    rival: Rival,
+    settings: &Settings,
+    monitor: &dyn Monitor,
+) -> Result<Reconstruction, ReconstructError> {
+    // A collaborative fit follows lamps by itself; elsewhere their bright edges would spoil the fits around them.
+    let components = match rival {
+        Rival::Nfor => Cow::Borrowed(stack.components.as_slice()),
+        Rival::Wlr(_) | Rival::Apr => with_emission_apart(stack, monitor),
+    };
+    sum_of_components(stack.size(), &components, |component| match component.role {
+        ComponentRole::Scattered => scattered(stack, component, rival, settings, monitor),
+        ComponentRole::Emission => {
+            let features = prefilter(stack, &settings.prefilter, monitor)?;
+            let variance = variance_of(stack, component)?;
+            Ok(rebuild_emission(&component.radiance.mean, &variance, &features, settings, monitor)?)
+        }
+    })
+}
+
+fn scattered(
+    stack: &FeatureStack,
+    component: &Component,
+    rival: Rival,
+    settings: &Settings,
+    monitor: &dyn Monitor,
+) -> Result<Reconstruction, ReconstructError> {
+    let (radiance, variance) = (&component.radiance.mean, variance_of(stack, component)?);
+    match rival {
+        Rival::Wlr(variant) => wlr::rebuild(stack, radiance, &variance, variant, settings, monitor),
+        Rival::Nfor => nfor::rebuild(stack, component, settings, monitor),
+        Rival::Apr => apr::rebuild(stack, radiance, &variance, settings, monitor),
+    }
+}
