@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Arg, ArgMatches, Args, Command, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use stack::Knobs;
 
+use crate::failure::usage;
 use crate::options::{Crop, PictureSize, Triple};
 use crate::settings::Settings;
 
@@ -226,8 +227,32 @@ pub struct ExperimentArgs {
     /// Samples per pixel of reference pictures.
     #[arg(long, value_name = "N", default_value_t = 1024)]
     pub reference_spp: u32,
+    /// Renders of each scene whose errors are averaged, with seeds of their own.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    pub seeds: u64,
+    #[command(flatten)]
+    pub picture: PictureArgs,
+    /// A setting to change, as the flags of `render` are called; may be given more than once.
+    #[arg(long = "set", value_name = "FLAG=VALUE")]
+    pub changes: Vec<String>,
     #[command(flatten)]
     pub report: ReportArgs,
+}
+
+impl ExperimentArgs {
+    /// The settings of the preset, changed as asked for.
+    ///
+    /// # Errors
+    /// When there is no such flag, or it does not take the value.
+    pub fn settings(&self) -> anyhow::Result<Settings> {
+        let mut settings = Settings::of(self.picture.preset.unwrap_or_default());
+        for change in &self.changes {
+            let (flag, value) =
+                change.split_once('=').ok_or_else(|| usage(format!("--set {change}: expected FLAG=VALUE")))?;
+            settings.set(flag, value).ok_or_else(|| usage(format!("--set: no setting is called {flag}")))??;
+        }
+        Ok(settings)
+    }
 }
 
 /// The whole command line, with one flag for every setting of the libraries.

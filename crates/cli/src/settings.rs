@@ -19,6 +19,12 @@ stack::knobs! {
         /// Radius of the regression's window in those rounds, in pixels: 5 is 11×11 (section 6). The last
         /// reconstruction has the larger window of the regression's own setting.
         iteration_radius: usize = 5, 1..=64;
+        /// Distance between the pixels that carry a collaborative fit in those rounds.
+        iteration_stride: usize = 4, 1..=8;
+        /// Passes of collaborative fits in those rounds.
+        iteration_passes: usize = 2, 1..=2;
+        /// Radius of the second pass's window in those rounds, in pixels.
+        iteration_second_radius: usize = 8, 1..=32;
     }
 }
 
@@ -44,6 +50,7 @@ impl Settings {
             Preset::Paper => {
                 let mut settings = Self::default();
                 settings.reconstruction.method.fit = Fit::Local;
+                settings.sampling = AdaptiveSettings::PAPER;
                 settings
             }
         }

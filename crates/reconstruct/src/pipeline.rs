@@ -122,7 +122,9 @@ fn ours(stack: &FeatureStack, settings: &Settings, monitor: &dyn Monitor) -> Res
                 ComponentRole::Scattered => best::rebuild(stack, component, &features, &settings.best, monitor),
                 ComponentRole::Emission => {
                     let (radiance, variance) = (&component.radiance.mean, variance_of(stack, component)?);
-                    Ok(rebuild_emission(radiance, &variance, &features.set, settings, monitor)?)
+                    let mut rebuilt = rebuild_emission(radiance, &variance, &features.set, settings, monitor)?;
+                    best::share_unseen(&mut rebuilt.mse, &variance);
+                    Ok(rebuilt)
                 }
             })
         }

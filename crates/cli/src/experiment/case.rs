@@ -30,7 +30,11 @@ impl Case {
         args.inputs.iter().map(|folder| Self::open(folder)).collect()
     }
 
-    fn open(folder: &Path) -> Result<Self> {
+    /// Opens one folder.
+    ///
+    /// # Errors
+    /// As [`Self::open_all`].
+    pub fn open(folder: &Path) -> Result<Self> {
         let buckets: Vec<PathBuf> =
             (0..).map(|b| folder.join(format!("b{b}.exr"))).take_while(|file| file.exists()).collect();
         let name = folder.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());

@@ -9,6 +9,7 @@ use stack::Image;
 use stack::file::write_picture;
 
 use super::case::{Case, Flags, settings};
+use super::geometric_mean::geometric_mean;
 use super::table::{Table, maybe};
 use crate::args::{ExperimentArgs, Preset};
 use crate::exposure;
@@ -101,13 +102,6 @@ fn ratios(judged: &[Vec<Cell>]) -> Option<Table> {
         table.rows.push(std::iter::once((*method).to_string()).chain((0..4).map(|e| maybe(mean(e)))).collect());
     }
     (stacks > 0).then_some(table)
-}
-
-/// `None` when a value is unknown or not above 0, as a cross error may be by chance, and when there are none.
-fn geometric_mean(values: impl Iterator<Item = Option<f64>>) -> Option<f64> {
-    let logs: Option<Vec<f64>> = values.map(|value| value.filter(|v| *v > 0.0).map(f64::ln)).collect();
-    let logs = logs.filter(|logs| !logs.is_empty())?;
-    Some((logs.iter().sum::<f64>() / logs.len() as f64).exp())
 }
 
 #[cfg(test)]

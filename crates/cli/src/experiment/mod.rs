@@ -1,7 +1,10 @@
 //! `tamis experiment`: the tables of the documentation, made again by one command each.
 
+mod calibration;
 mod case;
+mod errormap;
 mod fireflies;
+mod geometric_mean;
 mod methods;
 mod reference;
 mod scenes;
@@ -27,10 +30,13 @@ pub enum Experiment {
     /// Every method on every stack: errors, time, pictures, and errors over Open Image Denoise's. Inputs: folders as for
     /// stages, perhaps with oidn.exr.
     Methods,
-    /// Noisy, uniform and adaptive pictures of scenes at 8 and 32 spp. Inputs: scenes.
+    /// Noisy, uniform and adaptive pictures of scenes and adaptive over uniform errors. Inputs: scenes.
     Scenes,
     /// How many independent sequences the samples of a pixel should be dealt from. Inputs: scenes.
     Sequences,
+    /// Estimated against true squared error: calibration by brightness, and how well pixels are ranked. Inputs: scenes, or
+    /// folders as for stages.
+    Errormap,
     /// Planted fireflies found, and marks where there are none, on synthetic pictures. No inputs.
     Fireflies,
 }
@@ -56,6 +62,7 @@ pub fn run(args: &ExperimentArgs) -> Result<Verdict> {
         Experiment::Methods => methods::run(args, &progress)?,
         Experiment::Scenes => scenes::run(args, &progress)?,
         Experiment::Sequences => sequences::run(args, &progress)?,
+        Experiment::Errormap => errormap::run(args, &progress)?,
         Experiment::Fireflies => fireflies::run(&progress)?,
     };
     progress.finish();

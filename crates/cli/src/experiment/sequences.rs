@@ -11,7 +11,6 @@ use super::table::{Table, maybe};
 use crate::args::ExperimentArgs;
 use crate::progress::Progress;
 use crate::render::Budget;
-use crate::settings::Settings;
 
 /// Numbers of sequences that are tried, each with eight buckets.
 const SEQUENCES: [u32; 3] = [1, 2, 8];
@@ -32,7 +31,7 @@ pub fn run(args: &ExperimentArgs, progress: &Progress) -> Result<Vec<Table>> {
             for sequences in SEQUENCES {
                 progress.say(&format!("{}: {sequences} sequences at {spp} spp", stage.name));
                 let mut row = vec![stage.name.clone(), spp.to_string(), sequences.to_string()];
-                row.extend(errors(&stage, *spp, sequences, &truth, progress)?.map(|error| maybe(Some(error))));
+                row.extend(errors(args, &stage, [*spp, sequences], &truth, progress)?.map(|error| maybe(Some(error))));
                 table.rows.push(row);
             }
         }
@@ -40,10 +39,16 @@ pub fn run(args: &ExperimentArgs, progress: &Progress) -> Result<Vec<Table>> {
     Ok(vec![table])
 }
 
-fn errors(stage: &Stage, spp: u32, sequences: u32, truth: &stack::Image, progress: &Progress) -> Result<[f64; 4]> {
+fn errors(
+    args: &ExperimentArgs,
+    stage: &Stage,
+    [spp, sequences]: [u32; 2],
+    truth: &stack::Image,
+    progress: &Progress,
+) -> Result<[f64; 4]> {
     let mut sums = [0.0; 4];
     for seed in 0..SEEDS {
-        let mut settings = Settings::default();
+        let mut settings = args.settings()?;
         settings.trace.seed = seed;
         settings.trace.sequences = sequences;
         let uniform = stage.render(&settings, &Budget::uniform(spp), true, progress)?;

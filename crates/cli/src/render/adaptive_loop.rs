@@ -208,8 +208,13 @@ impl State<'_> {
     }
 
     fn iteration_settings(&self) -> reconstruct::Settings {
+        let rounds = &self.sampling.settings.rounds;
         let mut settings = self.sampling.settings.reconstruction;
-        settings.regression.window.radius = self.sampling.settings.rounds.iteration_radius;
+        settings.regression.window.radius = rounds.iteration_radius;
+        let fit = &mut settings.best.regression;
+        fit.stride = rounds.iteration_stride;
+        fit.passes = rounds.iteration_passes;
+        fit.second_radius = rounds.iteration_second_radius;
         settings
     }
 

@@ -17,25 +17,86 @@ stack::knobs! {
         /// Added to the squared luminance that errors are divided by (section 5): less of it sends more samples into
         /// the dark.
         epsilon: f32 = EPSILON, 1e-8..=1.0;
-        /// Errors are cut off at this quantile of all pixels (section 5), 0 to 1.
-        quantile: f32 = 0.95, 0.0..=1.0;
+        /// Errors are cut off at this quantile of all pixels (section 5: 0.95), 0 to 1.
+        quantile: f32 = 0.99, 0.0..=1.0;
+        /// Times the map is smoothed by a 3×3 Gaussian (section 5: once). A wide filter shares its samples: what drives
+        /// them should be no sharper.
+        smoothing: u32 = 1, 0..=256;
+        /// Power of the map that samples are proportional to (section 5: 1). The sum of errors that fall as 1/n is least
+        /// where n is proportional to the root.
+        power: f32 = 1.0, 0.0..=4.0;
+        /// Whether all samples taken, not those of one round, shall be proportional to the map; no reduction is expected
+        /// then, the map is the error of one sample, MSE·n.
+        totals: bool = false, ..;
+        /// Share of the samples that every pixel gets alike, 0 to 1.
+        alike: f32 = 0.0, 0.0..=1.0;
         /// Most samples a pixel can get in a round, as a multiple of the round's mean (section 5).
         most: f32 = 8.0, 1.0..=1000.0;
     }
 }
 
+impl AdaptiveSettings {
+    /// The paper's.
+    pub const PAPER: Self = Self { quantile: 0.95, ..Self::DEFAULT };
+}
+
 /// Which samples to take next: `budget` of them (all pixels together), distributed by the error reduction to expect,
 /// ΔMSE = MSE·n^(−4/(k+4)) relative to α̂² + ε, where α̂ is the luminance, the mean over RGB. The map is smoothed by a 3×3
-/// Gaussian and cut off at the 95 % quantile; samples are proportional to it, rounded up, and handed out from the largest
+/// Gaussian and cut off at a quantile; samples are proportional to it, rounded up, and handed out from the largest
 /// error down until the budget is gone. Every pixel goes on where its samples ended.
 ///
 /// The counts add up to exactly `budget`, unless the picture is empty.
 pub fn sample_map(estimate: &ErrorEstimate, budget: u64, settings: &AdaptiveSettings) -> SampleMap {
     let counts = estimate.counts;
     let first = counts.total.iter().map(|n| counts.first + n).collect();
-    let mut map = smooth(&expected_reduction(estimate, settings.epsilon), estimate.picture.size());
+    let size = estimate.picture.size();
+    let mut map =
+        if settings.totals { error_of_one(estimate, settings) } else { expected_reduction(estimate, settings.epsilon) };
+    for _ in 0..settings.smoothing {
+        map = smooth(&map, size);
+    }
     cap_at_quantile(&mut map, settings.quantile.into());
+    map.iter_mut().for_each(|v| *v = v.powf(settings.power.into()));
+    mix_alike(&mut map, settings.alike.into());
+    if settings.totals {
+        map = missing(&map, &counts.total, budget);
+    }
     SampleMap { first, count: budget::hand_out(&map, budget, most_per_pixel(budget, map.len(), settings)) }
+}
+
+/// Relative error that one sample would leave, where errors fall as 1/n: MSE·n/(α̂² + ε). Finite and ≥ 0.
+fn error_of_one(estimate: &ErrorEstimate, settings: &AdaptiveSettings) -> Vec<f64> {
+    let counts = &estimate.counts.total;
+    let error = |i: usize| {
+        relative_error(estimate.mse, estimate.picture, settings.epsilon, i).max(0.0) * f64::from(counts[i].max(1))
+    };
+    let mut errors: Vec<f64> = (0..counts.len()).map(error).collect();
+    replace_non_finite(&mut errors);
+    errors
+}
+
+/// Mixes a map with a constant one of the same mean.
+fn mix_alike(map: &mut [f64], share: f64) {
+    let mean = map.iter().sum::<f64>() / map.len().max(1) as f64;
+    map.iter_mut().for_each(|v| *v = (1.0 - share) * *v + share * mean);
+}
+
+/// What pixels lack of totals proportional to `map`, after `taken`, so that `budget` more samples fill them up.
+fn missing(map: &[f64], taken: &[u32], budget: u64) -> Vec<f64> {
+    let lack = |level: f64| map.iter().zip(taken).map(move |(m, n)| (m * level - f64::from(*n)).max(0.0));
+    let sum: f64 = map.iter().sum();
+    if sum <= 0.0 {
+        return vec![1.0; map.len()];
+    }
+    let all = budget as f64 + taken.iter().map(|n| f64::from(*n)).sum::<f64>();
+    // At this level even pixels without samples lack at most what they deserve, so that the sum of lacks is no less
+    // than the budget; at 0 nothing is lacking.
+    let (mut low, mut high) = (0.0, all / sum);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if lack(middle).sum::<f64>() < budget as f64 { low = middle } else { high = middle }
+    }
+    lack(high).collect()
 }
 
 /// At most `most` times the round's mean, in whole samples; at least one.
@@ -68,7 +129,7 @@ mod tests {
     fn map_of(mse: &[f32], picture: &Image, counts: &SampleCounts, budget: u64) -> SampleMap {
         let rank = vec![3.0; mse.len()];
         let estimate = ErrorEstimate { mse, picture, rank: Some(&rank), counts };
-        sample_map(&estimate, budget, &AdaptiveSettings::DEFAULT)
+        sample_map(&estimate, budget, &AdaptiveSettings::PAPER)
     }
 
     #[test]
@@ -79,6 +140,22 @@ mod tests {
             let map = map_of(&[mse; 45], &picture, &counts, 45 * 6);
             assert_eq!(map, SampleMap { first: vec![104; 45], count: vec![6; 45] });
         }
+    }
+
+    #[test]
+    fn totals_become_proportional_to_the_power_of_the_error_of_one_sample() {
+        let picture = Image::from_channels(Size::new(2, 1), vec![vec![1.0; 2]; 3]);
+        let counts = SampleCounts { total: vec![4, 12], ..SampleCounts::uniform(2, vec![4]) };
+        // One sample leaves errors in proportion 1 : 9, so that roots are 1 : 3; what was taken is so already.
+        let estimate = ErrorEstimate { mse: &[0.1, 0.3], picture: &picture, rank: None, counts: &counts };
+        let settings =
+            AdaptiveSettings { totals: true, power: 0.5, smoothing: 0, quantile: 1.0, ..AdaptiveSettings::DEFAULT };
+        assert_eq!(sample_map(&estimate, 16, &settings).count, [4, 12]);
+        let lop_sided = SampleCounts { total: vec![10, 2], ..counts.clone() };
+        let estimate = ErrorEstimate { mse: &[0.01, 0.45], counts: &lop_sided, ..estimate };
+        assert_eq!(sample_map(&estimate, 16, &settings).count, [0, 16], "7 of 28 it has already");
+        let alike = AdaptiveSettings { alike: 1.0, ..settings };
+        assert_eq!(sample_map(&estimate, 16, &alike).count, [4, 12], "up to 14 each");
     }
 
     #[test]

@@ -2,7 +2,6 @@
 
 use stack::Image;
 
-use super::features::GuideFeatures;
 use super::guided_kernel::GuidedKernel;
 use super::settings::ChoiceSettings;
 use super::split::Layers;
@@ -11,33 +10,20 @@ use crate::box_filter::box_mean;
 /// Least error that the softness is relative to.
 const LEAST_ERROR: f32 = 1e-5;
 
-/// The mixture.
-#[derive(Clone, Debug)]
-pub struct Chosen {
-    /// Both halves.
-    pub halves: [Image; 2],
-    /// Estimated mean squared error of their mean, mean over RGB.
-    pub mse: Vec<f32>,
-}
-
-/// Mixes `candidates` (both halves of each).
+/// Both halves of the mixture of `candidates` (both halves of each), whose errors `kernel` smooths.
 pub fn choose(
     candidates: &[[Image; 2]],
     layers: &Layers,
-    pilot: &Image,
-    features: &GuideFeatures,
+    kernel: &GuidedKernel,
     settings: &ChoiceSettings,
-) -> Chosen {
-    let size = pilot.size();
-    let kernel = GuidedKernel::surfaces_and_brightness(features, pilot, settings.feature_scale, settings.brightness);
+) -> [Image; 2] {
+    let size = layers.variance.size();
     let precision = precisions(candidates, layers, settings);
     let errors: Vec<Vec<f32>> = candidates.iter().map(|halves| cross_errors(halves, layers, &precision)).collect();
     let errors = kernel.smooth(&kernel.smooth(&errors, 1), 2);
     let weights: Vec<Vec<f32>> =
         soft_minimum(&errors, settings.softness).iter().map(|plane| box_mean(plane, size, 2)).collect();
-    let halves = [0, 1].map(|half: usize| mixture(candidates, &weights, half));
-    let mse = estimated_mse(&errors, &weights, &precision);
-    Chosen { halves, mse }
+    [0, 1].map(|half: usize| mixture(candidates, &weights, half))
 }
 
 /// What a squared error counts at each pixel: n/(1 + 3 n v), n = 1/(luminance² + 0.01) with the mean luminance of all
@@ -90,13 +76,4 @@ fn mixture(candidates: &[[Image; 2]], weights: &[Vec<f32>], half: usize) -> Imag
         }
     }
     mixed
-}
-
-/// The mixture's cross-half error, made absolute again.
-fn estimated_mse(errors: &[Vec<f32>], weights: &[Vec<f32>], precision: &[f32]) -> Vec<f32> {
-    let mse = |pixel: usize| {
-        let error: f32 = errors.iter().zip(weights).map(|(e, w)| e[pixel] * w[pixel]).sum();
-        (error / (6.0 * precision[pixel])).max(0.0)
-    };
-    (0..precision.len()).map(mse).collect()
 }

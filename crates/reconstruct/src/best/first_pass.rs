@@ -2,7 +2,7 @@
 
 use stack::{Cancelled, Image, Monitor};
 
-use super::features::GuideFeatures;
+use super::Given;
 use super::settings::FitSettings;
 use super::split::Layers;
 use crate::box_filter::box_mean;
@@ -17,17 +17,12 @@ const BANDWIDTHS: [f32; 2] = [0.5, 1.0];
 ///
 /// # Errors
 /// When `monitor` cancels.
-pub fn first_pass(
-    layers: &Layers,
-    noise: &[f32],
-    features: &GuideFeatures,
-    settings: &FitSettings,
-    monitor: &dyn Monitor,
-) -> Result<[Image; 2], Cancelled> {
+pub fn first_pass(given: &Given, settings: &FitSettings, monitor: &dyn Monitor) -> Result<[Image; 2], Cancelled> {
+    let Given { layers, noise, samples, features } = *given;
     let size = features.set.size;
     let rows = rows_of(&features.set, [&layers.halves[0], &layers.halves[1]]);
     let ridge = Ridge { least: settings.ridge, per_noise: settings.ridge_noise };
-    let fitted = Fitted { rows: &rows, importance: None, noise, ridge, stride: settings.stride };
+    let fitted = Fitted { rows: &rows, importance: samples, noise, ridge, stride: settings.stride };
     let kernels = BANDWIDTHS.map(|bandwidth| Kernel { bandwidth, sigma: f32::INFINITY });
     monitor.begin("first pass", 2 * units(size, settings.stride));
     let mut candidates: [Vec<Image>; 2] = Default::default();

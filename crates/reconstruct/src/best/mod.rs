@@ -8,6 +8,7 @@
 
 mod cascade;
 mod choice;
+mod error;
 mod features;
 mod first_pass;
 mod guided_kernel;
@@ -25,8 +26,10 @@ use self::restore::restore_energy;
 use crate::box_filter::box_mean;
 use crate::pipeline::{ReconstructError, Reconstruction};
 
+pub use error::share_unseen;
 pub use features::{GuideFeatures, guide_features};
 pub use settings::BestSettings;
+use settings::{ChoiceSettings, FitSettings, RestoreSettings};
 
 /// Groups that buckets are put together in for the cascade: fewer are less work and say less about the variance.
 const CASCADE_GROUPS: usize = 4;
@@ -45,11 +48,13 @@ pub fn rebuild(
     monitor.begin("spikes", 1);
     let layers = split::split(component, &stack.samples, &settings.split)?;
     let noise = relative_noise(&layers);
-    let first = first_pass::first_pass(&layers, &noise, features, &settings.regression, monitor)?;
+    let samples = share_of_samples(&stack.samples.total, &settings.regression);
+    let given = Given { layers: &layers, noise: &noise, samples: samples.as_deref(), features };
+    let first = first_pass::first_pass(&given, &settings.regression, monitor)?;
     monitor.begin("spread", 1);
     let mut pilot = mean_of(&first);
-    let halves = spread::spread(&layers.events, &pilot, features, &settings.spread);
-    let spread = spread::steadied(halves, &pilot, features, &settings.spread, monitor)?;
+    let events = spread::spread(&layers.events, &pilot, features, &settings.spread);
+    let spread = spread::steadied(events.halves, &pilot, features, &settings.spread, monitor)?;
     pilot.add(&spread);
     if let Some(groups) = component.radiance.groups(&stack.samples, CASCADE_GROUPS) {
         let parts = Parts::new(groups, &stack.samples);
@@ -57,22 +62,26 @@ pub fn rebuild(
         let brightness = pilot.clone();
         add_significant_residual(&mut pilot, parts, &brightness, &kernel, &settings.cascade, monitor)?;
     }
-    let second = second_pass::Guidance { pilot: &pilot, first: &first, noise: &noise };
-    let mut candidates = vec![first.clone()];
-    candidates.extend(second_pass::second_pass(&layers, &second, features, &settings.regression, monitor)?);
-    monitor.begin("choice", 1);
-    let chosen = choice::choose(&candidates, &layers, &pilot, features, &settings.choice);
-    let mut picture = mean_of(&chosen.halves);
+    let ChoiceSettings { feature_scale, brightness, .. } = settings.choice;
+    let kernel = GuidedKernel::surfaces_and_brightness(features, &pilot, feature_scale, brightness);
+    let halves = if settings.regression.passes > 1 {
+        let mut candidates = vec![first.clone()];
+        candidates.extend(second_pass::second_pass(&given, &pilot, &first, &settings.regression, monitor)?);
+        monitor.begin("choice", 1);
+        choice::choose(&candidates, &layers, &kernel, &settings.choice)
+    } else {
+        first
+    };
+    let mut picture = mean_of(&halves);
     if settings.restore.levels > 0 {
-        let restore = &settings.restore;
-        let kernel =
-            GuidedKernel::surfaces_and_brightness(features, &picture, restore.feature_scale, restore.brightness);
-        restore_energy(&mut picture, &mean_of(&layers.halves), &kernel, restore);
+        let RestoreSettings { feature_scale, brightness, .. } = settings.restore;
+        let kernel = GuidedKernel::surfaces_and_brightness(features, &picture, feature_scale, brightness);
+        restore_energy(&mut picture, &mean_of(&layers.halves), &kernel, &settings.restore);
     }
     picture.add(&spread);
     picture.channels_mut().iter_mut().flatten().for_each(|v| *v = v.max(0.0));
     Ok(Reconstruction {
-        mse: chosen.mse,
+        mse: error::estimated_error(&halves, &events.variance, &picture, &kernel, &settings.error),
         spikes: Some(sum_of(&layers.events.light)),
         marked: layers.events.energy.iter().filter(|e| **e > 0.0).count(),
         ..Reconstruction::plain(picture)
@@ -84,6 +93,25 @@ fn sum_of([a, b]: &[Image; 2]) -> Image {
     let mut sum = a.clone();
     sum.add(b);
     sum
+}
+
+/// What both regressions rest on.
+#[derive(Clone, Copy)]
+struct Given<'a> {
+    layers: &'a split::Layers,
+    /// Relative noise ν.
+    noise: &'a [f32],
+    /// Samples of every pixel over their mean, where that counts.
+    samples: Option<&'a [f32]>,
+    features: &'a GuideFeatures,
+}
+
+/// Samples of every pixel over their mean; `None` where they do not count or do not differ.
+fn share_of_samples(counts: &[u32], settings: &FitSettings) -> Option<Vec<f32>> {
+    let differ = counts.windows(2).any(|pair| pair[0] != pair[1]);
+    let mean = counts.iter().map(|n| f64::from(*n)).sum::<f64>() / counts.len() as f64;
+    let share = |n: &u32| (f64::from((*n).max(1)) / mean) as f32;
+    (settings.weigh_samples && differ).then(|| counts.iter().map(share).collect())
 }
 
 /// Mean of two halves.

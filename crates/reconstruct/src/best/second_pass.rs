@@ -2,10 +2,8 @@
 
 use stack::{Cancelled, Image, Monitor};
 
-use super::features::GuideFeatures;
-use super::luminance;
 use super::settings::FitSettings;
-use super::split::Layers;
+use super::{Given, luminance};
 use crate::box_filter::box_mean;
 use crate::collaborative::{Fitted, Guide, Kernel, Ridge, collaborate, rows_of, units};
 use crate::patch_distance::{Comparison, NoisyPlanes};
@@ -16,42 +14,32 @@ const BANDWIDTHS: [f32; 3] = [0.7, 1.5, 3.0];
 /// Bandwidth of the candidate with a small window.
 const SMALL_BANDWIDTH: f32 = 1.5;
 
-/// What the second pass rests on.
-#[derive(Clone, Copy, Debug)]
-pub struct Guidance<'a> {
-    /// The pilot picture.
-    pub pilot: &'a Image,
-    /// The halves of the first pass.
-    pub first: &'a [Image; 2],
-    /// Relative noise ν.
-    pub noise: &'a [f32],
-}
-
 /// The candidates of the second pass: both halves of the low layer rebuilt with the same weights, for three bandwidths
-/// and a small window. Reports the stage `second pass`.
+/// and a small window; `pilot` guides them, `first` are the halves of the first pass. Reports the stage `second pass`.
 ///
 /// # Errors
 /// When `monitor` cancels.
 pub fn second_pass(
-    layers: &Layers,
-    guidance: &Guidance,
-    features: &GuideFeatures,
+    given: &Given,
+    pilot: &Image,
+    first: &[Image; 2],
     settings: &FitSettings,
     monitor: &dyn Monitor,
 ) -> Result<Vec<[Image; 2]>, Cancelled> {
+    let Given { layers, noise, samples, features } = *given;
     let size = features.set.size;
     let rows = rows_of(&features.set, [&layers.halves[0], &layers.halves[1]]);
-    let scale = tolerated(guidance, settings.tolerance);
-    let importance: Vec<f32> = luminance(guidance.pilot).iter().map(|m| 1.0 / (m * m + 1e-3)).collect();
+    let scale = tolerated(pilot, first, settings.tolerance);
+    let importance = importance(pilot, samples, settings.relative);
     let guide = Guide {
-        planes: NoisyPlanes { size, values: guidance.pilot.channels(), variances: &scale },
+        planes: NoisyPlanes { size, values: pilot.channels(), variances: &scale },
         comparison: Comparison { patch_radius: 1, epsilon: 1e-8, noise_taken_off: 0.0 },
         radius: settings.second_radius,
     };
     let fitted = Fitted {
         rows: &rows,
-        importance: settings.relative.then_some(&importance[..]),
-        noise: guidance.noise,
+        importance: Some(&importance),
+        noise,
         ridge: Ridge { least: settings.ridge, per_noise: settings.ridge_noise },
         stride: settings.stride,
     };
@@ -61,12 +49,23 @@ pub fn second_pass(
     collaborate(&fitted, &guide, &kernels, monitor)
 }
 
+/// What a residual counts: 1/(m² + 0.001) with the luminance m of the `pilot` when `relative`, times the pixel's share of
+/// samples.
+fn importance(pilot: &Image, samples: Option<&[f32]>, relative: bool) -> Vec<f32> {
+    let of_brightness = |m: f32| if relative { 1.0 / (m * m + 1e-3) } else { 1.0 };
+    luminance(pilot)
+        .into_iter()
+        .enumerate()
+        .map(|(pixel, m)| of_brightness(m) * samples.map_or(1.0, |samples| samples[pixel]))
+        .collect()
+}
+
 /// τ, the squared difference in the pilot that is tolerated: (A − B)²/4 of the first pass smoothed twice over 5×5
 /// pixels, and `tolerance` · (L² + 0.001), L the pilot's luminance.
-fn tolerated(guidance: &Guidance, tolerance: f32) -> Vec<Vec<f32>> {
-    let size = guidance.pilot.size();
-    let pilot = luminance(guidance.pilot);
-    let [a, b] = [0, 1].map(|half: usize| guidance.first[half].channels());
+fn tolerated(pilot: &Image, first: &[Image; 2], tolerance: f32) -> Vec<Vec<f32>> {
+    let size = pilot.size();
+    let pilot = luminance(pilot);
+    let [a, b] = [0, 1].map(|half: usize| first[half].channels());
     a.iter()
         .zip(b)
         .map(|(a, b)| {

@@ -43,6 +43,10 @@ stack::knobs! {
         tolerance: f32 = 0.005, 1e-6..=1.0;
         /// Deviation of the candidate with a small window, in pixels.
         small_sigma: f32 = 3.0, 0.3..=100.0;
+        /// Passes: with one, the first picture is the last; faster and coarser.
+        passes: usize = 2, 1..=2;
+        /// Whether a residual counts in proportion to its pixel's samples, where they differ.
+        weigh_samples: bool = true, ..;
         /// Whether residuals count relative to the pilot's brightness, so that bright pixels do not smear into dark
         /// ones.
         relative: bool = true, ..;
@@ -106,6 +110,18 @@ stack::knobs! {
     }
 }
 
+stack::knobs! {
+    /// How the picture's error is estimated. The factors are fitted to renders whose errors are known; see
+    /// `docs/experiments.md`.
+    pub struct ErrorSettings("error") {
+        /// Squared error of the low layer for each (A − B)²/4 between its halves: their shared weights hide part of the
+        /// variance, and bias comes with it.
+        halves: f32 = 3.5, 0.0..=1000.0;
+        /// Squared error of the spread events for each unit of their own variance.
+        events: f32 = 1.5, 0.0..=1000.0;
+    }
+}
+
 stack::knob_groups! {
     /// Settings of all its steps.
     pub struct BestSettings {
@@ -123,5 +139,7 @@ stack::knob_groups! {
         restore: RestoreSettings,
         /// Candidates.
         choice: ChoiceSettings,
+        /// Error.
+        error: ErrorSettings,
     }
 }

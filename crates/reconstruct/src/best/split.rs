@@ -17,6 +17,13 @@ const LEAST_VARIANCE: f32 = 1e-7;
 /// Least luminance that anything is cut at.
 const LEAST_CAP: f32 = 1e-4;
 
+impl Events {
+    /// Σe²/(Σe)² of a pixel's events: one over how many equal ones they count for.
+    pub fn concentration(&self, pixel: usize) -> f32 {
+        self.squares[pixel] / (self.energy[pixel] * self.energy[pixel]).max(f32::MIN_POSITIVE)
+    }
+}
+
 /// A component in two layers.
 #[derive(Clone, Debug)]
 pub struct Layers {

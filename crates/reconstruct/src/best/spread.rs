@@ -25,25 +25,34 @@ const LARGEST_REACH: usize = 20;
 /// Side of the tiles whose events are spread together.
 const TILE: usize = 64;
 
-/// Radiance of both halves.
-type Light = [f32; 6];
+/// Events after they were spread.
+#[derive(Clone, Debug)]
+pub struct Spread {
+    /// Light of the events of either half; their sum is that of all.
+    pub halves: [Image; 2],
+    /// Variance of the sum, mean over RGB: Σ K² e² over events e that reach a pixel with kernel K, for they come and go
+    /// by chance (a compound Poisson process).
+    pub variance: Vec<f32>,
+}
 
-/// The light of both halves of `events`, spread. Each is spread just so wide that the surroundings it shares hold enough others; its
+/// The light of `events`, spread. Each is spread just so wide that the surroundings it shares hold enough others; its
 /// kernel is a Gaussian times the likeness of pixels in `features` and in the brightness of `picture`, and sums to one.
-pub fn spread(events: &Events, picture: &Image, features: &GuideFeatures, settings: &SpreadSettings) -> [Image; 2] {
+pub fn spread(events: &Events, picture: &Image, features: &GuideFeatures, settings: &SpreadSettings) -> Spread {
     let size = picture.size();
     let task = SpreadTask { size, events, guides: guides(picture, features, settings), settings };
     let tiles = tiles_of(size, TILE);
-    let parts: Vec<(Rectangle, Vec<Light>)> = tiles.par_iter().map(|tile| task.tile(*tile)).collect();
-    let mut light = [0, 1].map(|_| Image::zeros(size, 3));
+    let parts: Vec<(Rectangle, Vec<Share>)> = tiles.par_iter().map(|tile| task.tile(*tile)).collect();
+    let halves = [0, 1].map(|_| Image::zeros(size, 3));
+    let mut spread = Spread { halves, variance: vec![0.0; size.pixels()] };
     for (place, part) in &parts {
         for (i, value) in part.iter().enumerate() {
             let pixel = size.index(place.x0 + i % place.width(), place.y0 + i / place.width());
-            let planes = light.iter_mut().flat_map(|half| half.channels_mut());
-            planes.zip(value).for_each(|(plane, v)| plane[pixel] += v);
+            let planes = spread.halves.iter_mut().flat_map(|half| half.channels_mut());
+            planes.zip(value.light).for_each(|(plane, v)| plane[pixel] += v);
+            spread.variance[pixel] += value.variance;
         }
     }
-    light
+    spread
 }
 
 /// `halves` of spread light added up, without blotches that only one of them shows: a few events, spread so wide that
@@ -81,6 +90,13 @@ fn guides(picture: &Image, features: &GuideFeatures, settings: &SpreadSettings) 
     (0..picture.pixels()).map(|pixel| planes.iter().map(|plane| plane[pixel]).collect()).collect()
 }
 
+/// What reaches one pixel.
+#[derive(Clone, Copy, Debug, Default)]
+struct Share {
+    light: [f32; 6],
+    variance: f32,
+}
+
 struct SpreadTask<'a> {
     size: Size,
     events: &'a Events,
@@ -90,9 +106,9 @@ struct SpreadTask<'a> {
 
 impl SpreadTask<'_> {
     /// The light of the events of `tile`, and where it lies.
-    fn tile(&self, tile: Rectangle) -> (Rectangle, Vec<Light>) {
+    fn tile(&self, tile: Rectangle) -> (Rectangle, Vec<Share>) {
         let place = tile.grown(LARGEST_REACH, self.size);
-        let mut light = vec![[0.0; 6]; place.width() * place.height()];
+        let mut light = vec![Share::default(); place.width() * place.height()];
         let mut kernel = Vec::new();
         for y in tile.y0..tile.y1 {
             for x in tile.x0..tile.x1 {
@@ -104,7 +120,7 @@ impl SpreadTask<'_> {
         (place, light)
     }
 
-    fn spread_one(&self, [x, y]: [usize; 2], place: Rectangle, kernel: &mut Vec<(usize, f32)>, light: &mut [Light]) {
+    fn spread_one(&self, [x, y]: [usize; 2], place: Rectangle, kernel: &mut Vec<(usize, f32)>, light: &mut [Share]) {
         let pixel = self.size.index(x, y);
         let sigma = self.sigma([x, y]);
         kernel.clear();
@@ -115,9 +131,13 @@ impl SpreadTask<'_> {
         }
         let norm: f32 = kernel.iter().map(|(_, weight)| weight).sum();
         let [a, b] = [0, 1].map(|half: usize| self.events.light[half].rgb(pixel));
-        let own: Light = std::array::from_fn(|i| if i < 3 { a[i] } else { b[i - 3] } / norm);
+        let own: [f32; 6] = std::array::from_fn(|i| if i < 3 { a[i] } else { b[i - 3] } / norm);
+        let square =
+            (0..3).map(|c| (own[c] + own[c + 3]).powi(2)).sum::<f32>() / 3.0 * self.events.concentration(pixel);
         for (at, weight) in kernel.iter() {
-            light[*at].iter_mut().zip(own).for_each(|(sum, v)| *sum += weight * v);
+            let share = &mut light[*at];
+            share.light.iter_mut().zip(own).for_each(|(sum, v)| *sum += weight * v);
+            share.variance += weight * weight * square;
         }
     }
 
