@@ -121,3 +121,6 @@ impl Detail {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -109,3 +109,6 @@ fn estimated_mse(errors: &[Vec<f32>], weights: &[Vec<f32>], precision: &[f32]) -
     };
     (0..precision.len()).map(mse).collect()
 }
+
+#[cfg(test)]
+mod tests;

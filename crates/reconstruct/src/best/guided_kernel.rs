@@ -95,3 +95,6 @@ impl pulp::NullaryFnOnce for RowTask<'_> {
         sums
     }
 }
+
+#[cfg(test)]
+mod tests;

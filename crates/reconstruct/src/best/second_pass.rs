@@ -77,3 +77,6 @@ fn tolerated(guidance: &Guidance, tolerance: f32) -> Vec<Vec<f32>> {
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests;
