@@ -69,24 +69,24 @@ pub fn layers(clean: &Image, deviation: f32, seed: u64) -> Layers {
 /// Light on two walls that meet in the middle: a dark one, and a bright one with a checker, in a soft light.
 pub fn walls(size: Size) -> Image {
     image(size, |x, y, c| {
-        let light = 1.0 + 0.5 * (y as f32 * 0.15 + x as f32 * 0.05).sin();
+        let light = 1.0 + 0.3 * (y as f32 * 0.08 + x as f32 * 0.03).sin();
         light * if 2 * x < size.width { 0.15 + 0.1 * c as f32 } else { checker(x, y) }
     })
 }
 
 fn checker(x: usize, y: usize) -> f32 {
-    if (x / 6 + y / 6).is_multiple_of(2) { 0.9 } else { 0.5 }
+    if (x / 12 + y / 12).is_multiple_of(2) { 0.9 } else { 0.5 }
 }
 
-/// A stack that shows `clean` in eight buckets of four samples, each of which is the truth times an exponentially
+/// A stack that shows `clean` in eight buckets of two samples, each of which is the truth times an exponentially
 /// distributed number, with the features of [`walls`].
 pub fn stack_of(clean: &Image, seed: u64) -> FeatureStack {
     let (size, mut noise) = (clean.size(), TestNoise(seed));
-    let counts = SampleCounts::uniform(size.pixels(), vec![4; 8]);
+    let counts = SampleCounts::uniform(size.pixels(), vec![2; 8]);
     let mut bucket = || {
         let mut bucket = clean.clone();
         for i in 0..size.pixels() {
-            let factor = (0..4).map(|_| -(1.0 - noise.uniform()).ln()).sum::<f64>() / 4.0;
+            let factor = (0..2).map(|_| -(1.0 - noise.uniform()).ln()).sum::<f64>() / 2.0;
             bucket.channels_mut().iter_mut().for_each(|plane| plane[i] *= factor as f32);
         }
         bucket

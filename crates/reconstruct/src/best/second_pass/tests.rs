@@ -2,8 +2,9 @@
 
 use stack::{Silent, Size};
 
-use super::super::test_scene::{error, flat, image, layers, two_halves};
+use super::super::test_scene::{error, flat, image, layers, two_halves, with_noise};
 use super::*;
+use crate::test_noise::TestNoise;
 
 const SIZE: Size = Size::new(40, 30);
 
@@ -28,20 +29,21 @@ fn constants_stay_in_every_candidate() {
 
 #[test]
 fn wider_kernels_and_windows_leave_less_noise() {
-    let clean = image(SIZE, |x, y, _| if x < 20 { 0.3 } else { 1.0 + 0.01 * y as f32 });
+    let clean = image(SIZE, |x, _, _| if x < 20 { 0.3 } else { 1.0 });
     let layers = layers(&clean, 0.15, 111);
-    let found = run(&layers, &clean, &settings());
+    let found = run(&layers, &with_noise(&clean, 0.02, &mut TestNoise(113)), &settings());
     let errors: Vec<f32> = found.iter().map(|[a, b]| error(a, &clean) + error(b, &clean)).collect();
     let noisy = error(&layers.halves[0], &clean) + error(&layers.halves[1], &clean);
     assert!(errors[..3].iter().all(|e| *e < 0.1 * noisy), "{errors:?} of {noisy}");
-    assert!(errors[0] >= errors[2] && errors[3] > 2.0 * errors[1], "{errors:?}");
+    assert!(errors[0] > errors[1] && errors[1] > errors[2] && errors[3] > 1.2 * errors[1], "{errors:?}");
 }
 
 #[test]
 fn a_border_that_only_the_pilot_shows_stays() {
     let clean = image(SIZE, |_, y, _| if y < 15 { 0.2 } else { 2.0 });
     let found = run(&layers(&clean, 0.05, 112), &clean, &settings());
-    for [a, _] in &found {
+    // All but the widest kernel, which is for pictures without such borders.
+    for [a, _] in [&found[0], &found[1], &found[3]] {
         for x in 0..40 {
             let [above, below] = [14, 15].map(|y| a.rgb(SIZE.index(x, y))[0]);
             assert!((above - 0.2).abs() < 0.1 && (below - 2.0).abs() < 0.1, "{above} {below}");
