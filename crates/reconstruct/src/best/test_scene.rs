@@ -41,7 +41,7 @@ pub fn energy(image: &Image) -> f64 {
 /// Features whose every plane tells surfaces apart.
 pub fn features(size: Size, planes: Vec<Vec<f32>>) -> GuideFeatures {
     let surfaces = (0..planes.len()).collect();
-    GuideFeatures { set: FeatureSet { size, groups: vec![0..planes.len()], planes }, surfaces }
+    GuideFeatures { set: FeatureSet { size, groups: std::iter::once(0..planes.len()).collect(), planes }, surfaces }
 }
 
 /// One feature: 0 in the left half, 1 in the right one.
