@@ -78,3 +78,13 @@ fn estimated_errors_are_finite_and_not_negative() {
         assert!(chosen.halves.iter().flat_map(|h| h.channels()).flatten().all(|v| v.is_finite()));
     }
 }
+
+#[test]
+fn a_candidate_that_repeats_its_own_noise_does_not_win() {
+    let clean = flat(SIZE, 1.0);
+    let layers = layers(&clean, 0.2, 136);
+    let chosen = run(&[layers.halves.clone(), both(&clean)], &layers, &clean);
+    for (half, noisy) in chosen.halves.iter().zip(&layers.halves) {
+        assert!(error(half, &clean) < 0.1 * error(noisy, &clean), "{}", error(half, &clean));
+    }
+}

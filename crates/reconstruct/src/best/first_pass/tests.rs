@@ -37,6 +37,17 @@ fn both_halves_lose_most_of_their_noise_and_keep_the_edge() {
 }
 
 #[test]
+fn weights_do_not_see_the_noise_that_they_weigh() {
+    // Were a half its own guide, an outlier would resemble nothing else and stay as it is.
+    let clean = flat(SIZE, 1.0);
+    let mut layers = layers(&clean, 0.1, 103);
+    let at = SIZE.index(10, 15);
+    layers.halves[0].channels_mut().iter_mut().for_each(|plane| plane[at] = 3.0);
+    let rebuilt = run(&layers, 0.01)[0].rgb(at)[0];
+    assert!((rebuilt - 1.0).abs() < 0.3, "{rebuilt}");
+}
+
+#[test]
 fn the_noise_of_one_half_stays_out_of_the_other() {
     let clean = walls(SIZE);
     let layers = layers(&clean, 0.15, 102);
