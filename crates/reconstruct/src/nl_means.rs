@@ -103,3 +103,6 @@ impl TileTask<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

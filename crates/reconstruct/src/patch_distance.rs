@@ -158,19 +158,22 @@ pub(crate) mod tests {
     use crate::test_noise::TestNoise;
 
     /// Eq. 11 as it stands, pixel by pixel, in double precision.
-    pub fn distance_twin(planes: NoisyPlanes, c: [isize; 2], q: [isize; 2], patch_radius: isize, epsilon: f64) -> f64 {
+    pub fn distance_twin(planes: NoisyPlanes, c: [isize; 2], q: [isize; 2], comparison: Comparison) -> f64 {
+        let reach = comparison.patch_radius as isize;
+        let [epsilon, taken_off] = [comparison.epsilon, comparison.noise_taken_off].map(f64::from);
         let (w, h) = (planes.size.width as isize, planes.size.height as isize);
         let at = |[x, y]: [isize; 2]| {
             (0..w).contains(&x).then_some(()).and((0..h).contains(&y).then(|| (x + y * w) as usize))
         };
         let (mut sum, mut count) = (0.0, 0.0);
-        for dy in -patch_radius..=patch_radius {
-            for dx in -patch_radius..=patch_radius {
+        for dy in -reach..=reach {
+            for dx in -reach..=reach {
                 let (Some(c), Some(q)) = (at([c[0] + dx, c[1] + dy]), at([q[0] + dx, q[1] + dy])) else { continue };
                 for (values, variances) in planes.values.iter().zip(planes.variances) {
                     let [y_c, y_q] = [c, q].map(|p| f64::from(values[p]));
                     let [var_c, var_q] = [c, q].map(|p| f64::from(variances[p]));
-                    sum += ((y_c - y_q).powi(2) - (var_c + var_c.min(var_q))) / (epsilon + var_c + var_q);
+                    let noise = taken_off * (var_c + var_c.min(var_q));
+                    sum += ((y_c - y_q).powi(2) - noise) / (epsilon + var_c + var_q);
                     count += 1.0;
                 }
             }
@@ -206,7 +209,7 @@ pub(crate) mod tests {
                     let (x, y) = (centres.x0 + i % centres.width(), centres.y0 + i / centres.width());
                     let c = [x as isize, y as isize];
                     let q = [c[0] + offset[0], c[1] + offset[1]];
-                    let expected = distance_twin(planes, c, q, patch_radius as isize, 1e-4);
+                    let expected = distance_twin(planes, c, q, comparison(patch_radius));
                     assert!((f64::from(*distance) - expected).abs() < 2e-5 * (1.0 + expected), "{c:?} {offset:?}");
                 }
             }

@@ -75,3 +75,6 @@ pub fn put_together(size: Size, tiles: &[Rectangle], parts: &[Vec<Vec<f32>>], pl
     }
     out
 }
+
+#[cfg(test)]
+mod tests;

@@ -135,3 +135,6 @@ impl Detail {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -77,3 +77,6 @@ fn mixture(candidates: &[[Image; 2]], weights: &[Vec<f32>], half: usize) -> Imag
     }
     mixed
 }
+
+#[cfg(test)]
+mod tests;

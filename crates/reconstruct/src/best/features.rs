@@ -86,3 +86,6 @@ fn filtered(
     };
     nl_means(&guide, settings.bandwidth, &planes, monitor)
 }
+
+#[cfg(test)]
+mod tests;

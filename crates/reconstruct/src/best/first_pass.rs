@@ -73,3 +73,6 @@ fn cross_error(candidates: &[Vec<Image>; 2], candidate: usize, layers: &Layers) 
     };
     (0..layers.variance.pixels()).map(error).collect()
 }
+
+#[cfg(test)]
+mod tests;

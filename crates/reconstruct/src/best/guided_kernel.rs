@@ -112,3 +112,6 @@ impl pulp::NullaryFnOnce for RowTask<'_> {
         sums
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -17,6 +17,8 @@ mod second_pass;
 mod settings;
 mod split;
 mod spread;
+#[cfg(test)]
+mod test_scene;
 
 use stack::{Component, FeatureStack, Image, Monitor};
 
@@ -133,3 +135,6 @@ fn relative_noise(layers: &split::Layers) -> Vec<f32> {
 fn luminance(image: &Image) -> Vec<f32> {
     (0..image.pixels()).map(|pixel| image.mean_at(pixel)).collect()
 }
+
+#[cfg(test)]
+mod tests;

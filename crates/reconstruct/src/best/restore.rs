@@ -21,3 +21,36 @@ pub fn restore_energy(picture: &mut Image, noisy: &Image, kernel: &GuidedKernel,
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::test_scene::{energy, flat, image, two_halves};
+    use super::*;
+    use stack::Size;
+
+    const SIZE: Size = Size::new(40, 30);
+
+    fn restored(picture: &Image, noisy: &Image) -> Image {
+        let mut restored = picture.clone();
+        let kernel = GuidedKernel::surfaces_and_brightness(&two_halves(SIZE), picture, 0.3, 0.2);
+        restore_energy(&mut restored, noisy, &kernel, &RestoreSettings::default());
+        restored
+    }
+
+    #[test]
+    fn a_shaded_bright_part_comes_back_and_the_dark_beside_it_stays() {
+        let truth = image(SIZE, |x, _, _| if x < 20 { 5.0 } else { 0.01 });
+        let shaded = image(SIZE, |x, _, _| if x < 20 { 4.5 } else { 0.01 });
+        let after = restored(&shaded, &truth);
+        assert!((energy(&after) / energy(&truth) - 1.0).abs() < 1e-3);
+        assert!((after.rgb(SIZE.index(30, 10))[0] / 0.01 - 1.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn no_pixel_changes_by_more_than_the_limit() {
+        let after = restored(&flat(SIZE, 1.0), &flat(SIZE, 9.0));
+        assert!(after.channels().iter().flatten().all(|v| (v - 1.2).abs() < 1e-5));
+        let black = restored(&flat(SIZE, 0.0), &flat(SIZE, 9.0));
+        assert!(black.channels().iter().flatten().all(|v| *v == 0.0));
+    }
+}

@@ -76,3 +76,6 @@ fn tolerated(pilot: &Image, first: &[Image; 2], tolerance: f32) -> Vec<Vec<f32>>
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests;

@@ -235,3 +235,6 @@ impl BucketSums {
         SplitPixel { halves, light, energy: self.energy, squares: self.squares, ..SplitPixel::default() }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -181,3 +181,6 @@ impl SpreadTask<'_> {
         exp_of_negative(-squares.sum::<f32>())
     }
 }
+
+#[cfg(test)]
+mod tests;

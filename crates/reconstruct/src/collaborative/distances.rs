@@ -117,3 +117,6 @@ pub fn offsets(radius: usize) -> impl Iterator<Item = [isize; 2]> {
     let reach = radius as isize;
     (-reach..=reach).flat_map(move |dy| (-reach..=reach).map(move |dx| [dx, dy]))
 }
+
+#[cfg(test)]
+mod tests;

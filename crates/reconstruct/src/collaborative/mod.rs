@@ -9,7 +9,11 @@ mod moments;
 mod plane;
 mod row;
 mod sums;
+#[cfg(test)]
+mod test_problem;
 mod tile;
+#[cfg(test)]
+mod twin;
 mod window;
 
 use rayon::prelude::*;
@@ -137,3 +141,6 @@ fn sweep(
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests;

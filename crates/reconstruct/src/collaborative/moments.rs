@@ -49,3 +49,6 @@ fn centred(mut products: [Row; FEATURES], mut mean: Row, weight: f32) -> Moments
     }
     Moments { covariance: products, mean, weight }
 }
+
+#[cfg(test)]
+mod tests;

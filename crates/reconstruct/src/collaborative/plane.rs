@@ -48,6 +48,8 @@ impl Plane {
     /// `weight`; to the first free place it adds `weight`.
     #[inline(always)]
     pub fn add_prediction<S: Simd>(&self, simd: S, row: &Row, weight: f32, sum: &mut Prediction) {
+        // Wider processors would silently predict nothing.
+        const { assert!(PADDED.is_multiple_of(S::F32_LANES)) };
         for part in 0..PADDED / S::F32_LANES {
             let mut value = S::as_simd_f32s(&self.intercept).0[part];
             for j in 0..FEATURES {
@@ -100,3 +102,6 @@ fn add_multiple<S: Simd>(simd: S, sum: &mut Prediction, factor: f32, values: &Pr
         *sum = simd.mul_add_f32s(simd.splat_f32s(factor), *value, *sum);
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -46,3 +46,6 @@ impl Sums {
         [0, 3].map(|first| Image::from_channels(self.size, (first..first + 3).map(plane).collect()))
     }
 }
+
+#[cfg(test)]
+mod tests;

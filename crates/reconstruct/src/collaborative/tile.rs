@@ -122,3 +122,6 @@ fn weigh(distances: &[f32], bandwidth: f32, falloff: &[f32], weights: &mut [f32]
         *weight = exp_of_negative(-(distance * scale + falloff));
     }
 }
+
+#[cfg(test)]
+mod tests;

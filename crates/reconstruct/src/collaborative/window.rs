@@ -57,3 +57,6 @@ impl Neighbours {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

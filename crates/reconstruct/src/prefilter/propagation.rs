@@ -179,7 +179,8 @@ mod tests {
     /// The filter as the paper states it: walks every path of every pixel.
     fn twin(planes: NoisyPlanes, shape: Shape) -> Vec<Vec<f64>> {
         let (w, h) = (planes.size.width as isize, planes.size.height as isize);
-        let d = |a, b| distance_twin(planes, a, b, shape.patch_radius as isize, f64::from(shape.epsilon));
+        let Shape { patch_radius, epsilon, .. } = shape;
+        let d = |a, b| distance_twin(planes, a, b, Comparison { patch_radius, epsilon, noise_taken_off: 1.0 });
         let mut out = vec![Vec::new(); planes.values.len()];
         for c in (0..h).flat_map(|y| (0..w).map(move |x| [x, y])) {
             let r = shape.radius as isize;

@@ -1,0 +1,153 @@
+//! The split into two layers: what is cut, and that nothing is lost.
+
+use stack::{ComponentRole, Dealing, Estimate};
+
+use super::super::test_scene::{component, flat, image};
+use super::*;
+use crate::test_noise::TestNoise;
+
+const SIZE: Size = Size::new(14, 11);
+
+fn settings() -> SplitSettings {
+    SplitSettings::default()
+}
+
+fn eight_each(size: Size) -> SampleCounts {
+    SampleCounts::uniform(size.pixels(), vec![4; 8])
+}
+
+/// Eight buckets of exponentially distributed radiance; those without samples hold nothing that may be used.
+fn skewed(counts: &SampleCounts, seed: u64) -> Vec<Image> {
+    let mut noise = TestNoise(seed);
+    let mut bucket = |b: usize| {
+        let mut value = |pixel: usize| {
+            let drawn = -(1.0 - noise.uniform()).ln() as f32;
+            if counts.in_group(pixel, b, 8) > 0 { drawn.powi(3) } else { f32::NAN }
+        };
+        Image::from_channels(SIZE, (0..3).map(|_| (0..SIZE.pixels()).map(&mut value).collect()).collect())
+    };
+    (0..8).map(&mut bucket).collect()
+}
+
+/// Low layer plus events, against the mean of all samples.
+fn check_sum(layers: &Layers, mean: &Image, counts: &SampleCounts) {
+    for i in (0..mean.pixels()).filter(|i| counts.total[*i] > 0) {
+        let [a, b] = [0, 1].map(|half| counts.in_group(i, half, 2) as f32);
+        for c in 0..3 {
+            let [low_a, low_b] = [0, 1].map(|half: usize| layers.halves[half].rgb(i)[c]);
+            let [light_a, light_b] = [0, 1].map(|half: usize| layers.events.light[half].rgb(i)[c]);
+            let mean = mean.rgb(i)[c];
+            let sum = (a * low_a + b * low_b) / (a + b) + light_a + light_b;
+            assert!((sum - mean).abs() < 1e-5 * (1.0 + mean), "pixel {i} of {}: {sum} {mean}", counts.total[i]);
+        }
+    }
+}
+
+#[test]
+fn both_layers_add_up_to_the_mean() {
+    let dealing = Dealing::Numbered { sequences: 8, buckets: 8 };
+    let mixed: Vec<u32> = (0..SIZE.pixels()).map(|i| [1, 4, 13, 2, 64][i % 5]).collect();
+    for total in [vec![1; SIZE.pixels()], vec![4; SIZE.pixels()], vec![13; SIZE.pixels()], mixed] {
+        let counts = SampleCounts { first: 0, total, dealing: dealing.clone() };
+        let component = component(skewed(&counts, 90), &counts);
+        let layers = split(&component, &counts, &settings()).unwrap();
+        check_sum(&layers, &component.radiance.mean, &counts);
+        assert!(layers.variance.channels().iter().flatten().all(|v| v.is_finite() && *v > 0.0));
+    }
+}
+
+#[test]
+fn a_pixel_without_samples_is_black_and_of_known_variance() {
+    let mut total = vec![13; SIZE.pixels()];
+    total[20] = 0;
+    let counts = SampleCounts { first: 0, total, dealing: Dealing::Numbered { sequences: 8, buckets: 8 } };
+    let layers = split(&component(skewed(&counts, 91), &counts), &counts, &settings()).unwrap();
+    assert_eq!([&layers.halves[0], &layers.events.light[0], &layers.events.light[1]].map(|i| i.rgb(20)), [[0.0; 3]; 3]);
+    assert!(layers.variance.rgb(20).iter().all(|v| v.is_finite() && *v > 0.0));
+}
+
+#[test]
+fn a_half_without_samples_repeats_the_other() {
+    let counts = SampleCounts::uniform(SIZE.pixels(), vec![3, 0]);
+    let buckets = vec![flat(SIZE, 0.5), flat(SIZE, f32::NAN)];
+    let layers = split(&component(buckets, &counts), &counts, &settings()).unwrap();
+    assert_eq!(layers.halves, [flat(SIZE, 0.5), flat(SIZE, 0.5)]);
+}
+
+#[test]
+fn smooth_pictures_are_not_cut() {
+    let smooth = image(SIZE, |x, y, c| 0.2 + 0.05 * x as f32 + 0.03 * y as f32 + 0.1 * c as f32);
+    let counts = eight_each(SIZE);
+    let layers = split(&component(vec![smooth.clone(); 8], &counts), &counts, &settings()).unwrap();
+    assert!(layers.events.energy.iter().chain(&layers.events.squares).all(|e| *e == 0.0));
+    assert_eq!(layers.events.light, [flat(SIZE, 0.0), flat(SIZE, 0.0)]);
+    for (half, smooth) in layers.halves.iter().flat_map(|h| h.channels().iter().zip(smooth.channels())) {
+        assert!(half.iter().zip(smooth).all(|(a, b)| (a - b).abs() < 1e-6));
+    }
+}
+
+#[test]
+fn a_firefly_is_cut_to_the_cap_and_its_energy_becomes_an_event() {
+    let (counts, at) = (eight_each(SIZE), SIZE.index(6, 5));
+    let mut buckets = vec![flat(SIZE, 1.0); 8];
+    for (plane, value) in buckets[3].channels_mut().iter_mut().zip([1500.0, 900.0, 600.0]) {
+        plane[at] = value;
+    }
+    let layers = split(&component(buckets, &counts), &counts, &settings()).unwrap();
+    // The surroundings reach 1, the cap is twice that, and the bucket's luminance is 1000.
+    let kept = 2.0 / 1000.0;
+    let close = |a: f32, b: f32| (a - b).abs() < 1e-4 * b;
+    for (c, value) in [1500.0, 900.0, 600.0].into_iter().enumerate() {
+        assert!(close(layers.events.light[1].rgb(at)[c], (1.0 - kept) * value / 8.0));
+        assert!(close(layers.halves[1].rgb(at)[c], (3.0 + kept * value) / 4.0), "its own half keeps the cap");
+        assert_eq!(layers.halves[0].rgb(at)[c], 1.0, "and the other none of it");
+    }
+    let event = 4.0 * (1.0 - kept) * 3000.0;
+    assert!(close(layers.events.energy[at], event) && close(layers.events.squares[at], event * event));
+    let others = (0..SIZE.pixels()).filter(|i| *i != at);
+    assert!(others.into_iter().all(|i| layers.events.energy[i] == 0.0 && layers.halves[1].rgb(i) == [1.0; 3]));
+}
+
+#[test]
+fn light_that_all_buckets_agree_on_is_no_firefly() {
+    let (counts, at) = (eight_each(SIZE), SIZE.index(6, 5));
+    let bright = image(SIZE, |x, y, _| if SIZE.index(x, y) == at { 50.0 } else { 1.0 });
+    let layers = split(&component(vec![bright; 8], &counts), &counts, &settings()).unwrap();
+    assert_eq!((layers.events.energy[at], layers.halves[0].rgb(at)), (0.0, [50.0; 3]));
+}
+
+/// Variance of a half of one pixel whose buckets hold `values` and `samples`.
+fn variance_of(values: &[f32], samples: &[u32]) -> f32 {
+    let (size, counts) = (Size::new(1, 1), SampleCounts::uniform(1, samples.to_vec()));
+    let buckets = values.iter().map(|v| flat(size, *v)).collect();
+    split(&component(buckets, &counts), &counts, &settings()).unwrap().variance.rgb(0)[1]
+}
+
+#[test]
+fn the_variance_follows_the_closed_form() {
+    // Mean 2.5, squares 2.25 + 0.25 + 0.25 + 2.25 = 5, of the mean 5/(3·4), of a half twice that.
+    let of_four = variance_of(&[1.0, 2.0, 3.0, 4.0], &[5, 5, 5, 5]);
+    assert!((of_four - 2.0 * 5.0 / 12.0).abs() < 1e-5, "{of_four}");
+    // Six samples: mean (3 + 4 + 3)/6 = 5/3; squares 3·4/9 + 2·1/9 + 16/9 = 30/9; (B − 1) n = 12.
+    let unequal = variance_of(&[1.0, 2.0, f32::NAN, 3.0], &[3, 2, 0, 1]);
+    assert!((unequal - 2.0 * 30.0 / 9.0 / 12.0).abs() < 1e-5, "{unequal}");
+}
+
+#[test]
+fn the_variance_is_that_of_a_half_on_the_average() {
+    let size = Size::new(60, 60);
+    let (counts, mut noise) = (eight_each(size), TestNoise(92));
+    let one = flat(size, 1.0);
+    let buckets = (0..8).map(|_| super::super::test_scene::with_noise(&one, 0.2, &mut noise)).collect();
+    let layers = split(&component(buckets, &counts), &counts, &settings()).unwrap();
+    let mean = layers.variance.channels().iter().flatten().sum::<f32>() / (3 * size.pixels()) as f32;
+    assert!((mean / (0.04 / 4.0) - 1.0).abs() < 0.05, "four buckets of variance 0.04: {mean}");
+}
+
+#[test]
+fn without_buckets_there_is_an_error() {
+    let radiance = Estimate { mean: flat(SIZE, 1.0), noise: Noise::VarianceOfMean(flat(SIZE, 0.1)) };
+    let component = Component { role: ComponentRole::Scattered, radiance };
+    let error = split(&component, &eight_each(SIZE), &settings()).unwrap_err();
+    assert!(matches!(error, ReconstructError::NoBuckets { layer: "noisy" }));
+}

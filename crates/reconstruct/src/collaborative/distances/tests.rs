@@ -1,0 +1,73 @@
+//! Distances of whole windows against eq. 11, pair by pair.
+
+use stack::Size;
+
+use super::*;
+use crate::patch_distance::tests::{distance_twin, random_planes};
+use crate::patch_distance::{Comparison, NoisyPlanes};
+
+const SIZE: Size = Size::new(17, 12);
+
+fn pixels_of(tile: Rectangle, step: usize) -> Vec<[usize; 2]> {
+    (tile.y0..tile.y1).step_by(step).flat_map(|y| (tile.x0..tile.x1).step_by(step).map(move |x| [x, y])).collect()
+}
+
+/// Checks all windows of `fits`: inside the image against the formula, outside that they are far.
+fn check(guide: &Guide, tile: Rectangle, fits: &[[usize; 2]]) {
+    let mut windows = WindowDistances::new(guide);
+    let window = windows.window();
+    let distances = windows.compute(tile, fits);
+    assert_eq!(distances.len(), fits.len() * window);
+    for (fit, distances) in fits.iter().zip(distances.chunks_exact(window)) {
+        let c = fit.map(|v| v as isize);
+        for (distance, offset) in distances.iter().zip(offsets(guide.radius)) {
+            let q = [c[0] + offset[0], c[1] + offset[1]];
+            let inside = (0..SIZE.width as isize).contains(&q[0]) && (0..SIZE.height as isize).contains(&q[1]);
+            let expected = if inside { distance_twin(guide.planes, c, q, guide.comparison) } else { f64::from(FAR) };
+            let difference = (f64::from(*distance) - expected).abs();
+            assert!(difference < 2e-5 * (1.0 + expected), "{c:?} {offset:?}: {distance} {expected}");
+        }
+    }
+}
+
+#[test]
+fn agree_with_the_formula_up_to_the_borders() {
+    let whole = Rectangle { x0: 0, y0: 0, x1: 17, y1: 12 };
+    let corner = Rectangle { x0: 12, y0: 8, x1: 17, y1: 12 };
+    for (channels, patch_radius, radius, noise_taken_off) in
+        [(3, 1, 3, 1.0), (3, 2, 4, 0.0), (1, 3, 2, 1.0), (2, 0, 5, 0.0)]
+    {
+        let [values, variances] = random_planes(SIZE, channels, 40 + channels as u64);
+        let planes = NoisyPlanes { size: SIZE, values: &values, variances: &variances };
+        let guide = Guide { planes, comparison: Comparison { patch_radius, epsilon: 1e-4, noise_taken_off }, radius };
+        for (tile, step) in [(whole, 1), (whole, 3), (corner, 1), (corner, 2)] {
+            check(&guide, tile, &pixels_of(tile, step));
+        }
+    }
+}
+
+#[test]
+fn any_choice_of_pixels_gets_its_own_windows() {
+    let [values, variances] = random_planes(SIZE, 3, 44);
+    let planes = NoisyPlanes { size: SIZE, values: &values, variances: &variances };
+    let comparison = Comparison { patch_radius: 2, epsilon: 1e-4, noise_taken_off: 1.0 };
+    let guide = Guide { planes, comparison, radius: 3 };
+    let tile = Rectangle { x0: 4, y0: 3, x1: 17, y1: 12 };
+    check(&guide, tile, &[[5, 3], [16, 3], [4, 7], [16, 11]]);
+    check(&guide, tile, &[]);
+}
+
+#[test]
+fn windows_wider_than_the_image_reach_all_of_it() {
+    let [values, variances] = random_planes(SIZE, 1, 45);
+    let planes = NoisyPlanes { size: SIZE, values: &values, variances: &variances };
+    let comparison = Comparison { patch_radius: 1, epsilon: 1e-4, noise_taken_off: 1.0 };
+    let guide = Guide { planes, comparison, radius: 19 };
+    check(&guide, Rectangle { x0: 0, y0: 0, x1: 17, y1: 12 }, &[[0, 0], [8, 5], [16, 11]]);
+}
+
+#[test]
+fn windows_lie_row_by_row_around_their_centre() {
+    let all: Vec<[isize; 2]> = offsets(1).collect();
+    assert_eq!(all, [[-1, -1], [0, -1], [1, -1], [-1, 0], [0, 0], [1, 0], [-1, 1], [0, 1], [1, 1]]);
+}
