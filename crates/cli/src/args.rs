@@ -226,6 +226,9 @@ pub struct ExperimentArgs {
     /// Samples per pixel of reference pictures.
     #[arg(long, value_name = "N", default_value_t = 1024)]
     pub reference_spp: u32,
+    /// Numbers of the paper's figures to make [default: all].
+    #[arg(long, value_name = "N,N…", value_delimiter = ',')]
+    pub figures: Vec<u32>,
     #[command(flatten)]
     pub report: ReportArgs,
 }

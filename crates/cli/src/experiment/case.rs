@@ -30,7 +30,11 @@ impl Case {
         args.inputs.iter().map(|folder| Self::open(folder)).collect()
     }
 
-    fn open(folder: &Path) -> Result<Self> {
+    /// Opens one folder.
+    ///
+    /// # Errors
+    /// As [`Self::open_all`].
+    pub fn open(folder: &Path) -> Result<Self> {
         let buckets: Vec<PathBuf> =
             (0..).map(|b| folder.join(format!("b{b}.exr"))).take_while(|file| file.exists()).collect();
         let name = folder.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
@@ -52,6 +56,9 @@ impl Case {
 
 /// Flags with their values.
 pub type Flags = &'static [(&'static str, &'static str)];
+
+/// A name, and the preset and flags that make it.
+pub type Entry = (&'static str, Preset, Flags);
 
 /// The settings of a preset, changed by `flags`.
 ///

@@ -1,6 +1,7 @@
 //! `tamis experiment`: the tables of the documentation, made again by one command each.
 
 mod case;
+mod figures;
 mod fireflies;
 mod methods;
 mod reference;
@@ -31,13 +32,16 @@ pub enum Experiment {
     Scenes,
     /// How many independent sequences the samples of a pixel should be dealt from. Inputs: scenes.
     Sequences,
+    /// The paper's figures, a table and pictures each: what they compare, on the same samples; figures 10 and 11, whole
+    /// renders, on scenes only. Inputs: folders as for stages, or scenes; without any, scenes/*.toml of this project.
+    Figures,
     /// Planted fireflies found, and marks where there are none, on synthetic pictures. No inputs.
     Fireflies,
 }
 
 impl Experiment {
     const fn needs_inputs(self) -> bool {
-        !matches!(self, Self::Fireflies)
+        !matches!(self, Self::Fireflies | Self::Figures)
     }
 }
 
@@ -56,6 +60,7 @@ pub fn run(args: &ExperimentArgs) -> Result<Verdict> {
         Experiment::Methods => methods::run(args, &progress)?,
         Experiment::Scenes => scenes::run(args, &progress)?,
         Experiment::Sequences => sequences::run(args, &progress)?,
+        Experiment::Figures => figures::run(args, &progress)?,
         Experiment::Fireflies => fireflies::run(&progress)?,
     };
     progress.finish();
