@@ -16,8 +16,16 @@ pub struct Layer {
     pub of: fn(&Outcome, &Subject) -> Option<Image>,
 }
 
-/// What was taken for spikes.
-pub const SPIKES: Layer = Layer { name: "spikes", is_light: true, of: |o, _| o.found.spikes.clone() };
+/// How much the replaced pixels were changed, up or down.
+pub const SPIKES: Layer = Layer {
+    name: "spikes",
+    is_light: true,
+    of: |o, _| {
+        let mut spikes = o.found.spikes.clone()?;
+        spikes.channels_mut().iter_mut().flatten().for_each(|value| *value = value.abs());
+        Some(spikes)
+    },
+};
 
 /// Prefiltered visibility.
 pub const VISIBILITY: Layer = Layer {
