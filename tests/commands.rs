@@ -110,6 +110,32 @@ fn methods_are_set_beside_each_other() {
 }
 
 #[test]
+fn figures_are_made_of_scenes_and_of_buckets() {
+    let workplace = Workplace::new();
+    let line = "experiment figures box.obj -o out --size 20x16 --spp 4,8 --reference-spp 32 --quiet";
+    let tables = workplace.must(line).stdout();
+    for row in ["| box | lbf | ", "| box | nl-means | ", "| box | nfor | uniform | ", "| box | best | adaptive | 8.00"]
+    {
+        assert!(tables.contains(row), "'{row}' is not in:\n{tables}");
+    }
+    let titles = ["1", "2", "3", "4", "5", "8", "9", "10", "11"].map(|number| format!("### Figure {number}: "));
+    for title in titles.iter().map(String::as_str).chain(["### Figures 6 and 7: "]) {
+        assert!(tables.contains(title), "'{title}' is not in:\n{tables}");
+    }
+    for name in ["box-reference.png", "figure1-box-lbf-spikes.png", "figure9-box-wlr-bandwidth.png"] {
+        assert!(workplace.path("out").join(name).exists(), "{name}");
+    }
+    std::fs::create_dir(workplace.path("buckets")).unwrap();
+    for (seed, name) in ["b0", "b1", "ref1", "ref2"].into_iter().enumerate() {
+        let line = format!("render box.obj --size 20x16 --spp 4 --seed {seed} --uniform --no-denoise");
+        workplace.must(&format!("{line} -o buckets/{name}.exr --quiet"));
+    }
+    let tables = workplace.must("experiment figures buckets -o out --figures 2,7,11 --quiet").stdout();
+    assert_eq!(tables.matches("###").count(), 2, "no figure 11 without a scene:\n{tables}");
+    assert!(tables.contains("| buckets | wlrp | ") && tables.contains("| buckets | pixel | - | - | "), "{tables}");
+}
+
+#[test]
 fn info_says_what_a_file_holds() {
     let workplace = Workplace::new();
     workplace.must("render box.obj --size 32x32 --spp 4 -o a.exr --quiet");

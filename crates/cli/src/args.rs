@@ -72,6 +72,8 @@ pub enum Preset {
     /// Two passes of collaborative regression.
     #[default]
     Best,
+    /// `best` with fewer fits in smaller windows.
+    Fast,
     /// The paper to the letter.
     Paper,
 }
@@ -235,6 +237,9 @@ pub struct ExperimentArgs {
     /// A setting to change, as the flags of `render` are called; may be given more than once.
     #[arg(long = "set", value_name = "FLAG=VALUE")]
     pub changes: Vec<String>,
+    /// Numbers of the paper's figures to make [default: all].
+    #[arg(long, value_name = "N,N…", value_delimiter = ',')]
+    pub figures: Vec<u32>,
     #[command(flatten)]
     pub report: ReportArgs,
 }

@@ -4,6 +4,7 @@ use anyhow::Result;
 use clap::ArgMatches;
 use reconstruct::Fit;
 use reconstruct::adaptive::AdaptiveSettings;
+use reconstruct::best::FitSettings;
 use stack::Knobs;
 use tracer::integrator::TraceSettings;
 
@@ -47,6 +48,13 @@ impl Settings {
     pub fn of(preset: Preset) -> Self {
         match preset {
             Preset::Best => Self::default(),
+            Preset::Fast => {
+                let mut settings = Self::default();
+                let best = &mut settings.reconstruction.best;
+                best.features.radius = 3;
+                best.regression = FitSettings { stride: 4, first_radius: 5, second_radius: 7, ..FitSettings::DEFAULT };
+                settings
+            }
             Preset::Paper => {
                 let mut settings = Self::default();
                 settings.reconstruction.method.fit = Fit::Local;

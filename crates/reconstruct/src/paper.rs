@@ -1,5 +1,8 @@
 //! The paper's method: spikes, prefilter, regression (its figure 2).
 
+#[cfg(test)]
+mod alternatives;
+
 use stack::{Cancelled, Image, Monitor};
 
 use crate::Settings;

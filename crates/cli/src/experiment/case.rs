@@ -57,6 +57,9 @@ impl Case {
 /// Flags with their values.
 pub type Flags = &'static [(&'static str, &'static str)];
 
+/// A name, and the preset and flags that make it.
+pub type Entry = (&'static str, Preset, Flags);
+
 /// The settings of a preset, changed by `flags`.
 ///
 /// # Errors

@@ -8,7 +8,7 @@ use reconstruct::reconstruct;
 use stack::Image;
 use stack::file::write_picture;
 
-use super::case::{Case, Flags, settings};
+use super::case::{Case, Entry, settings};
 use super::geometric_mean::geometric_mean;
 use super::table::{Table, maybe};
 use crate::args::{ExperimentArgs, Preset};
@@ -16,11 +16,18 @@ use crate::exposure;
 use crate::output::write_png;
 use crate::progress::Progress;
 
-/// A name, and the preset and flags that make it.
-type Entry = (&'static str, Preset, Flags);
-
-const METHODS: &[Entry] =
-    &[("ld", Preset::Paper, &[("method", "ld")]), ("paper", Preset::Paper, &[]), ("best", Preset::Best, &[])];
+/// Every method there is.
+pub const METHODS: &[Entry] = &[
+    ("ld", Preset::Paper, &[("method", "ld")]),
+    ("wlr", Preset::Paper, &[("method", "wlr")]),
+    ("wlrp", Preset::Paper, &[("method", "wlrp")]),
+    ("wlrv", Preset::Paper, &[("method", "wlrv")]),
+    ("nfor", Preset::Paper, &[("method", "nfor")]),
+    ("apr", Preset::Paper, &[("method", "apr")]),
+    ("paper", Preset::Paper, &[]),
+    ("best", Preset::Best, &[]),
+    ("fast", Preset::Fast, &[]),
+];
 
 /// The row that the others are divided by.
 const RIVAL: &str = "oidn";

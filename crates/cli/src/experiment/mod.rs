@@ -3,6 +3,7 @@
 mod calibration;
 mod case;
 mod errormap;
+mod figures;
 mod fireflies;
 mod geometric_mean;
 mod methods;
@@ -37,13 +38,16 @@ pub enum Experiment {
     /// Estimated against true squared error: calibration by brightness, and how well pixels are ranked. Inputs: scenes, or
     /// folders as for stages.
     Errormap,
+    /// The paper's figures, a table and pictures each: what they compare, on the same samples; figures 10 and 11, whole
+    /// renders, on scenes only. Inputs: folders as for stages, or scenes; without any, scenes/*.toml of this project.
+    Figures,
     /// Planted fireflies found, and marks where there are none, on synthetic pictures. No inputs.
     Fireflies,
 }
 
 impl Experiment {
     const fn needs_inputs(self) -> bool {
-        !matches!(self, Self::Fireflies)
+        !matches!(self, Self::Fireflies | Self::Figures)
     }
 }
 
@@ -63,6 +67,7 @@ pub fn run(args: &ExperimentArgs) -> Result<Verdict> {
         Experiment::Scenes => scenes::run(args, &progress)?,
         Experiment::Sequences => sequences::run(args, &progress)?,
         Experiment::Errormap => errormap::run(args, &progress)?,
+        Experiment::Figures => figures::run(args, &progress)?,
         Experiment::Fireflies => fireflies::run(&progress)?,
     };
     progress.finish();

@@ -1,10 +1,10 @@
-//! Reference pictures, traced once and kept in the experiment's folder.
+//! References, traced once and kept in the experiment's folder.
 
 use std::path::Path;
 
 use anyhow::Result;
-use stack::Image;
-use stack::file::{read_picture, write_picture};
+use stack::file::{ResultLayer, StackHeader, read_stack, write_stack};
+use stack::{FeatureStack, Image};
 use tracer::film::Film;
 
 use crate::args::ExperimentArgs;
@@ -13,46 +13,55 @@ use crate::progress::Progress;
 use crate::render::{Budget, Sampling, trace_adaptively};
 use crate::settings::Settings;
 
-/// Seed of the first reference; the second one's is the number before.
-const SEED: u64 = u64::MAX >> 32;
+/// Seeds of the first and of the second reference, far from those of pictures.
+const SEEDS: [u64; 2] = [u64::MAX >> 32, u64::MAX >> 33];
 
 /// The picture of `stage` at `args.reference_spp` uniform samples, with a seed of its own, as one sequence.
 ///
 /// # Errors
 /// When it can neither be read nor traced and written.
 pub fn reference(args: &ExperimentArgs, stage: &Stage, progress: &Progress) -> Result<Image> {
-    kept(args, stage, SEED, "", progress)
+    Ok(converged(args, stage, 0, progress)?.beauty())
 }
 
-/// Two of them, with independent noise.
+/// The pictures of two independent references.
 ///
 /// # Errors
-/// As [`reference`].
+/// As [`reference()`].
 pub fn references(args: &ExperimentArgs, stage: &Stage, progress: &Progress) -> Result<[Image; 2]> {
-    Ok([reference(args, stage, progress)?, kept(args, stage, SEED - 1, "-second", progress)?])
+    Ok(reference_stacks(args, stage, progress)?.map(|stack| stack.beauty()))
 }
 
-fn kept(args: &ExperimentArgs, stage: &Stage, seed: u64, suffix: &str, progress: &Progress) -> Result<Image> {
-    let size = stage.camera.film;
-    let file = args.output.join(format!("{}-{size}-{}spp{suffix}.exr", stage.name, args.reference_spp));
-    if file.exists() {
-        return Ok(read_picture(&file)?);
+/// Two independent references, features included.
+///
+/// # Errors
+/// As [`reference()`].
+pub fn reference_stacks(args: &ExperimentArgs, stage: &Stage, progress: &Progress) -> Result<[FeatureStack; 2]> {
+    Ok([converged(args, stage, 0, progress)?, converged(args, stage, 1, progress)?])
+}
+
+fn converged(args: &ExperimentArgs, stage: &Stage, which: usize, progress: &Progress) -> Result<FeatureStack> {
+    let (size, spp) = (stage.camera.film, args.reference_spp);
+    let file = args.output.join(format!("{}-{size}-{spp}spp-reference{}.exr", stage.name, which + 1));
+    if !file.exists() {
+        progress.say(&format!("{}: reference of {spp} spp", stage.name));
+        trace(stage, &file, (SEEDS[which], spp), progress)?;
     }
-    trace_reference(args, stage, seed, &file, progress)
+    Ok(read_stack(&file)?.stack)
 }
 
-fn trace_reference(args: &ExperimentArgs, stage: &Stage, seed: u64, file: &Path, progress: &Progress) -> Result<Image> {
-    progress.say(&format!("{}: reference of {} spp", stage.name, args.reference_spp));
+fn trace(stage: &Stage, file: &Path, (seed, spp): (u64, u32), progress: &Progress) -> Result<()> {
     let mut settings = Settings::default();
     settings.trace.seed = seed;
     (settings.trace.sequences, settings.trace.buckets) = (1, 1);
     let film = Film::new(stack::Window::whole(stage.camera.film), stage.camera.film, &settings.trace);
     let sampling = Sampling { scene: &stage.view.scene, camera: &stage.camera, settings: &settings, progress };
-    let finished = trace_adaptively(&sampling, film, &Budget::uniform(args.reference_spp), false)?;
+    let finished = trace_adaptively(&sampling, film, &Budget::uniform(spp), false)?;
     if finished.interrupted {
         return Err(stack::Cancelled.into());
     }
     let picture = finished.picture();
-    write_picture(file, &picture)?;
-    Ok(picture)
+    let header = StackHeader { first: 0, sequences: 1, buckets: 1, settings: settings.to_json() };
+    let result = ResultLayer { name: "", channels: &["R", "G", "B"], planes: picture.channels() };
+    Ok(write_stack(file, &finished.stack, true, &header, &[result])?)
 }

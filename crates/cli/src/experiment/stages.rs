@@ -12,19 +12,29 @@ use crate::progress::Progress;
 /// A name and the flags that make it of the paper's settings.
 type Variant = (&'static str, Flags);
 
-const VARIANTS: [Variant; 17] = [
+const VARIANTS: &[Variant] = &[
     ("paper", &[]),
     ("no spike removal", &[("spike-removal", "false")]),
     ("spike threshold × log-average", &[("spike-threshold-unit", "log-average")]),
     ("spikes by 20 iterations × log-average", &[("spike-threshold-unit", "log-average"), ("spike-iterations", "20")]),
+    ("spikes, low-rank part first", &[("spike-order", "low-rank-first")]),
+    ("spikes with half of λ", &[("spike-lambda", "0.5")]),
+    ("spikes as LBF finds them", &[("spike-method", "lbf")]),
     ("no prefilter", &[("prefilter-filter", "off")]),
     ("pixel prefilter", &[("prefilter-filter", "pixel")]),
+    ("non-local-means prefilter", &[("prefilter-filter", "nl-means")]),
+    ("no visibility", &[("prefilter-visibility", "false")]),
     ("prefilter's variance from all buckets", &[("prefilter-variance-from", "buckets")]),
     ("plain SVD, no robust PCA", &[("reduce-method", "svd")]),
     ("robust PCA by 1 iteration", &[("reduce-iterations", "1")]),
+    ("robust PCA by 30 iterations", &[("reduce-iterations", "30"), ("reduce-tolerance", "0")]),
+    ("robust PCA, low-rank part first", &[("reduce-order", "a-first")]),
+    ("robust PCA, λ = 3/√n", &[("reduce-lambda", "three-over-root")]),
+    ("robust PCA, λ = 1/√d", &[("reduce-lambda", "shortest-side")]),
     ("robust PCA on every pixel of the window", &[("reduce-stride", "1")]),
     ("rank by energy alone (k₁)", &[("reduce-rank", "energy")]),
     ("rank by perturbation alone (k₂)", &[("reduce-rank", "perturbation")]),
+    ("rank by squares of singular values", &[("reduce-energy-of", "squares")]),
     ("no reduction (all directions)", &[("reduce-method", "svd"), ("reduce-energy", "1")]),
     ("no normalisation in the window", &[("window-normalise", "none")]),
     ("fixed bandwidth h = 1", &[("bandwidth-fixed", "1")]),

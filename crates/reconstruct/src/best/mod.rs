@@ -30,8 +30,8 @@ use crate::pipeline::{ReconstructError, Reconstruction};
 
 pub use error::share_unseen;
 pub use features::{GuideFeatures, guide_features};
-pub use settings::BestSettings;
-use settings::{ChoiceSettings, FitSettings, RestoreSettings};
+pub use settings::{BestSettings, FitSettings};
+use settings::{ChoiceSettings, RestoreSettings};
 
 /// Groups that buckets are put together in for the cascade: fewer are less work and say less about the variance.
 const CASCADE_GROUPS: usize = 4;

@@ -9,7 +9,9 @@ use std::ops::Range;
 use rayon::prelude::*;
 use stack::{Cancelled, Fault, Feature, FeatureRole, FeatureStack, Monitor, Size};
 
-use crate::patch_distance::NoisyPlanes;
+use crate::collaborative::Guide;
+use crate::nl_means::nl_means;
+use crate::patch_distance::{Comparison, NoisyPlanes};
 use crate::variance::smoothed;
 use normalise::NormalisedFeature;
 pub(crate) use normalise::{normalised, normalised_halves};
@@ -35,6 +37,8 @@ stack::knob_choice! {
         Pixel = "pixel",
         /// The propagation filter on patches, the paper's.
         Patch = "patch",
+        /// Non-local means, after Rousselle et al. 2013.
+        NlMeans = "nl-means",
     }
 }
 
@@ -51,15 +55,20 @@ stack::knob_choice! {
 stack::knobs! {
     /// How features are freed of noise before the regression.
     pub struct PrefilterSettings("prefilter") {
-        /// Which filter: patch is the paper's, pixel compares single pixels (figures 6 and 7), off leaves the noise in.
+        /// Which filter: patch is the paper's, pixel compares single pixels (figures 6 and 7), nl-means is that of
+        /// Rousselle et al. 2013, which Kalantari et al. 2015 use as well (figure 7), off leaves the noise in.
         filter: FeatureFilter = FeatureFilter::Patch, ..;
-        /// Manhattan radius r of the pixels that are averaged (section 6).
+        /// Whether visibility is among the features (section 6); figure 3 is about what it is worth.
+        visibility: bool = true, ..;
+        /// Radius r of the pixels that are averaged (section 6): of a diamond, or with nl-means of a square.
         radius: usize = 5, 0..=32;
         /// Radius of the patches that are compared, in pixels: 3 makes patches of 7×7 (eq. 11).
         patch_radius: usize = 3, 0..=16;
         /// ε of the distance between pixels (eq. 10), in units of variance of features within [−1, 1]: keeps it finite
         /// where there is no noise, and lets differences well below √ε be averaged there.
         epsilon: f32 = 1e-4, 1e-30..=1.0;
+        /// Bandwidth k of nl-means: weights are exp(−D/k²). Larger averages more.
+        nl_bandwidth: f32 = 1.0, 0.01..=100.0;
         /// Where variance comes from: halves as in the paper, or buckets.
         variance_from: VarianceSource = VarianceSource::Halves, ..;
         /// Radius of the box that smooths the variance, in pixels.
@@ -124,7 +133,11 @@ pub fn prefilter(
     settings: &PrefilterSettings,
     monitor: &dyn Monitor,
 ) -> Result<FeatureSet, PrefilterError> {
-    let features = guides(stack)?;
+    let mut features = guides(stack)?;
+    features.retain(|feature| settings.visibility || feature.role != FeatureRole::Visibility);
+    if features.is_empty() {
+        return Err(PrefilterError::NoFeatures);
+    }
     let tiles = tile_count(stack.size()) as u64;
     monitor.begin("prefilter", tiles * features.len() as u64);
     let noisy: Vec<NormalisedFeature> =
@@ -177,16 +190,21 @@ fn filtered(
     settings: &PrefilterSettings,
     monitor: &dyn Monitor,
 ) -> Result<Option<Vec<Vec<f32>>>, Cancelled> {
-    let patch_radius = match settings.filter {
-        FeatureFilter::Off => return Ok(None),
-        FeatureFilter::Pixel => 0,
-        FeatureFilter::Patch => settings.patch_radius,
-    };
     let variance = feature.variance.as_ref().and_then(|variance| smoothed(variance, settings.variance_radius));
     let Some(variance) = variance else { return Ok(None) };
     let planes = NoisyPlanes { size, values: &feature.planes, variances: variance.channels() };
-    let shape = Shape { radius: settings.radius, patch_radius, epsilon: settings.epsilon };
-    propagation_filter(planes, shape, monitor).map(Some)
+    let PrefilterSettings { radius, patch_radius, epsilon, .. } = *settings;
+    let propagate = |patch_radius| propagation_filter(planes, Shape { radius, patch_radius, epsilon }, monitor);
+    let filtered = match settings.filter {
+        FeatureFilter::Off => return Ok(None),
+        FeatureFilter::Pixel => propagate(0),
+        FeatureFilter::Patch => propagate(patch_radius),
+        FeatureFilter::NlMeans => {
+            let comparison = Comparison { patch_radius, epsilon, noise_taken_off: 1.0 };
+            nl_means(&Guide { planes, comparison, radius }, settings.nl_bandwidth, planes.values, monitor)
+        }
+    };
+    filtered.map(Some)
 }
 
 #[cfg(test)]
@@ -245,6 +263,31 @@ mod tests {
         assert!((off / expected - 1.0).abs() < 0.1, "two halves, on a scale of 2: {off}");
         assert!(patch < 0.35 * off, "{patch}");
         assert!(pixel < off && pixel > patch, "{pixel}");
+    }
+
+    #[test]
+    fn nl_means_shrink_noise_and_more_so_with_more_bandwidth() {
+        let stack = stack_of(&[FeatureRole::Visibility]);
+        let left = |filter, nl_bandwidth| {
+            let settings = PrefilterSettings { filter, nl_bandwidth, ..PrefilterSettings::DEFAULT };
+            deviation(&prefilter(&stack, &settings, &Silent).unwrap().planes[0])
+        };
+        let off = left(FeatureFilter::Off, 1.0);
+        let [narrow, usual, wide] = [0.3, 1.0, 30.0].map(|k| left(FeatureFilter::NlMeans, k));
+        assert!(usual < 0.35 * off && usual < narrow, "{off}, {narrow}, {usual}");
+        // All 121 pixels of the window alike: the noise falls by √121, a little less at the border.
+        assert!((0.8..1.6).contains(&(11.0 * wide / off)), "{wide}");
+    }
+
+    #[test]
+    fn visibility_can_be_left_out() {
+        use FeatureRole::{Normal, Visibility};
+        let without = PrefilterSettings { visibility: false, ..PrefilterSettings::DEFAULT };
+        let both = stack_of(&[Normal, Visibility]);
+        let found = prefilter(&both, &without, &Silent).unwrap();
+        assert_eq!(found, prefilter(&stack_of(&[Normal]), &PrefilterSettings::DEFAULT, &Silent).unwrap());
+        let error = prefilter(&stack_of(&[Visibility]), &without, &Silent).unwrap_err();
+        assert_eq!(error, PrefilterError::NoFeatures);
     }
 
     #[test]

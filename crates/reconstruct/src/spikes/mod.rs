@@ -1,9 +1,11 @@
-//! Spike noise found by robust PCA and taken out (the paper's section 4.1, algorithm 1, equations 8 and 9).
+//! Spike noise found by robust PCA and taken out (the paper's section 4.1, algorithm 1, equations 8 and 9), or, for the
+//! paper's figure 1, by the learning-based filter's rule (`lbf`).
 //!
 //! Directly seen lamps must not be in the picture: their light is a component of its own, and beside it nothing of the
 //! tile would look like a spike.
 
 pub mod alm;
+mod lbf;
 pub(crate) mod replace;
 mod shrinkage;
 mod spectral_norm;
@@ -12,6 +14,16 @@ mod tiles;
 use stack::{Cancelled, Image, Monitor};
 
 use alm::{AlmSettings, UpdateOrder};
+
+stack::knob_choice! {
+    /// What is taken for a spike.
+    pub enum SpikeMethod {
+        /// A large entry of the sparse part that robust PCA finds, the paper's algorithm 1.
+        RobustPca = "robust-pca",
+        /// A pixel far from the mean of its 3×3 block (Kalantari et al. 2015).
+        Lbf = "lbf",
+    }
+}
 
 stack::knob_choice! {
     /// What the spike threshold is measured in.
@@ -28,6 +40,13 @@ stack::knobs! {
     pub struct SpikeSettings("spike") {
         /// Whether to look for spikes at all (algorithm 1). Without, their energy stays and so do their splotches.
         removal: bool = true, ..;
+        /// Which pixels are spikes: robust-pca is the paper's algorithm 1; lbf is the rule of the learning-based filter
+        /// (Kalantari et al. 2015), which the paper's figure 1 puts in front of our regression. The threshold, tiles and
+        /// decomposition below belong to robust-pca.
+        method: SpikeMethod = SpikeMethod::RobustPca, ..;
+        /// With lbf, a pixel is a spike when it is more than this many standard deviations away from the mean of its 3×3
+        /// block in any channel. The pixel itself is in the block, so that nothing exceeds √8.
+        deviations: f32 = 2.0, 0.0..=3.0;
         /// A pixel is a spike when its sparse part exceeds this in any channel (algorithm 1, line 9).
         threshold: f32 = 2.5, 0.0..;
         /// Unit of the threshold: radiance as in the paper, or log-average, the image's log-average luminance, which
@@ -74,12 +93,24 @@ pub fn remove_spikes(
     if !settings.removal {
         return Ok(untouched(colour, variance));
     }
-    let sparse = tiles::sparse_layer(colour, settings.tile_size, &alm_settings(settings), monitor)?;
-    let marked = replace::mark(colour, &sparse, absolute_threshold(colour, settings));
-    let sources: Vec<_> = (0..colour.pixels()).map(|pixel| replace::source_of(pixel, colour, &marked)).collect();
+    let (marked, sources) = match settings.method {
+        SpikeMethod::RobustPca => by_robust_pca(colour, settings, monitor)?,
+        SpikeMethod::Lbf => lbf::find(colour, settings.deviations, monitor)?,
+    };
     let clean = replace::replaced(colour, &sources);
     let variance = replace::replaced(variance, &sources);
     Ok(SpikeFree { spikes: difference(colour, &clean), colour: clean, variance, marked })
+}
+
+/// Which pixels are marked, and for each pixel the one it is taken from.
+type Found = (Vec<bool>, Vec<Option<usize>>);
+
+/// Algorithm 1.
+fn by_robust_pca(colour: &Image, settings: &SpikeSettings, monitor: &dyn Monitor) -> Result<Found, Cancelled> {
+    let sparse = tiles::sparse_layer(colour, settings.tile_size, &alm_settings(settings), monitor)?;
+    let marked = replace::mark(colour, &sparse, absolute_threshold(colour, settings));
+    let sources = (0..colour.pixels()).map(|pixel| replace::source_of(pixel, colour, &marked)).collect();
+    Ok((marked, sources))
 }
 
 fn untouched(colour: &Image, variance: &Image) -> SpikeFree {

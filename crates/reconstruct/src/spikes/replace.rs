@@ -25,8 +25,13 @@ pub fn source_of(pixel: usize, colour: &Image, marked: &[bool]) -> Option<usize>
     median(block.clone().filter(|p| !marked[*p]), colour).or_else(|| median(block, colour))
 }
 
+/// The pixel of median luminance in the whole 3×3 block around `pixel`; `None` when nothing there is finite.
+pub fn median_of_block(pixel: usize, colour: &Image) -> Option<usize> {
+    median(block_around(pixel, colour.size()), colour)
+}
+
 /// The pixels of the 3×3 block around `pixel` that lie inside the image.
-fn block_around(pixel: usize, size: Size) -> impl Iterator<Item = usize> + Clone {
+pub fn block_around(pixel: usize, size: Size) -> impl Iterator<Item = usize> + Clone {
     let (x, y) = (pixel % size.width, pixel / size.width);
     let columns = x.saturating_sub(1)..(x + 2).min(size.width);
     let rows = y.saturating_sub(1)..(y + 2).min(size.height);
