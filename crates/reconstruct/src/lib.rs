@@ -1,12 +1,15 @@
 //! From noisy samples to a picture that knows its own error.
 //!
-//! Every stage is a plain function from inputs, settings and a monitor to results: [`spikes`], [`prefilter`],
-//! [`regression`], [`adaptive`]. [`reconstruct`] calls the first three in a row for each component of a stack.
+//! Every stage is a plain function from inputs, settings and a monitor to results. [`reconstruct`] puts those of the
+//! chosen method in a row for each component of a stack: the paper's ([`spikes`], [`prefilter`], [`regression`]),
+//! [`best`], or one of the [`rivals`]. What several of them use stands beside them ([`patch_distance`], [`nl_means`],
+//! [`collaborative`]).
 
 pub mod adaptive;
 pub mod best;
 pub mod box_filter;
 pub mod collaborative;
+mod components;
 mod emission;
 pub mod exp;
 mod method;
@@ -16,6 +19,7 @@ mod paper;
 pub mod patch_distance;
 mod pipeline;
 pub mod prefilter;
+mod reconstruction;
 pub mod rectangle;
 pub mod regression;
 pub mod rivals;
@@ -26,5 +30,6 @@ mod test_noise;
 pub mod variance;
 
 pub use method::{Fit, Method, MethodSettings};
-pub use pipeline::{ReconstructError, Reconstruction, reconstruct};
+pub use pipeline::reconstruct;
+pub use reconstruction::{ReconstructError, Reconstruction};
 pub use settings::Settings;

@@ -6,8 +6,8 @@ mod alternatives;
 use stack::{Cancelled, Image, Monitor};
 
 use crate::Settings;
-use crate::pipeline::Reconstruction;
 use crate::prefilter::FeatureSet;
+use crate::reconstruction::Reconstruction;
 use crate::regression::{RegressionInput, regress};
 use crate::spikes::{SpikeFree, remove_spikes};
 

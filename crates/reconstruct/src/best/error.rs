@@ -3,7 +3,7 @@
 use stack::Image;
 
 use super::guided_kernel::GuidedKernel;
-use super::luminance;
+use super::halves::luminance;
 use super::settings::ErrorSettings;
 use crate::box_filter::box_mean;
 

@@ -2,7 +2,7 @@
 
 use stack::{Cancelled, Image, Monitor};
 
-use super::Given;
+use super::given::Given;
 use super::settings::FitSettings;
 use super::split::Layers;
 use crate::box_filter::box_mean;

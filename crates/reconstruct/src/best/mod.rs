@@ -11,7 +11,9 @@ mod choice;
 mod error;
 mod features;
 mod first_pass;
+mod given;
 mod guided_kernel;
+mod halves;
 mod restore;
 mod second_pass;
 mod settings;
@@ -20,13 +22,15 @@ mod spread;
 #[cfg(test)]
 mod test_scene;
 
-use stack::{Component, FeatureStack, Image, Monitor};
+use stack::{Component, FeatureStack, Monitor};
 
 use self::cascade::{Parts, add_significant_residual};
+use self::given::Given;
 use self::guided_kernel::GuidedKernel;
+use self::halves::{luminance, mean_of, sum_of};
 use self::restore::restore_energy;
 use crate::box_filter::box_mean;
-use crate::pipeline::{ReconstructError, Reconstruction};
+use crate::reconstruction::{ReconstructError, Reconstruction};
 
 pub use error::share_unseen;
 pub use features::{GuideFeatures, guide_features};
@@ -90,24 +94,6 @@ pub fn rebuild(
     })
 }
 
-/// Sum of two images.
-fn sum_of([a, b]: &[Image; 2]) -> Image {
-    let mut sum = a.clone();
-    sum.add(b);
-    sum
-}
-
-/// What both regressions rest on.
-#[derive(Clone, Copy)]
-struct Given<'a> {
-    layers: &'a split::Layers,
-    /// Relative noise ν.
-    noise: &'a [f32],
-    /// Samples of every pixel over their mean, where that counts.
-    samples: Option<&'a [f32]>,
-    features: &'a GuideFeatures,
-}
-
 /// Samples of every pixel over their mean; `None` where they do not count or do not differ.
 fn share_of_samples(counts: &[u32], settings: &FitSettings) -> Option<Vec<f32>> {
     let differ = counts.windows(2).any(|pair| pair[0] != pair[1]);
@@ -116,24 +102,12 @@ fn share_of_samples(counts: &[u32], settings: &FitSettings) -> Option<Vec<f32>> 
     (settings.weigh_samples && differ).then(|| counts.iter().map(share).collect())
 }
 
-/// Mean of two halves.
-fn mean_of(halves: &[Image; 2]) -> Image {
-    let [a, b] = [0, 1].map(|half: usize| halves[half].channels());
-    let channels = a.iter().zip(b).map(|(a, b)| a.iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect());
-    Image::from_channels(halves[0].size(), channels.collect())
-}
-
 /// ν = variance of a half relative to the squared luminance L² + 0.001 around it, both over 5×5 pixels.
 fn relative_noise(layers: &split::Layers) -> Vec<f32> {
     let size = layers.variance.size();
     let luminance = box_mean(&luminance(&mean_of(&layers.halves)), size, 2);
     let relative = |(i, l): (usize, &f32)| layers.variance.mean_at(i) / (l * l + 1e-3);
     box_mean(&luminance.iter().enumerate().map(relative).collect::<Vec<f32>>(), size, 2)
-}
-
-/// Mean over RGB of every pixel.
-fn luminance(image: &Image) -> Vec<f32> {
-    (0..image.pixels()).map(|pixel| image.mean_at(pixel)).collect()
 }
 
 #[cfg(test)]

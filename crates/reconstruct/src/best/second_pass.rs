@@ -2,8 +2,9 @@
 
 use stack::{Cancelled, Image, Monitor};
 
+use super::given::Given;
+use super::halves::luminance;
 use super::settings::FitSettings;
-use super::{Given, luminance};
 use crate::box_filter::box_mean;
 use crate::collaborative::{Fitted, Guide, Kernel, Ridge, collaborate, rows_of, units};
 use crate::patch_distance::{Comparison, NoisyPlanes};

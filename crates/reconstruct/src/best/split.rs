@@ -8,7 +8,7 @@ use stack::{Component, Image, Noise, SampleCounts, Size};
 
 use super::settings::SplitSettings;
 use crate::box_filter::box_mean;
-use crate::pipeline::ReconstructError;
+use crate::reconstruction::ReconstructError;
 use crate::variance::known_everywhere;
 
 /// Least variance of a half.

@@ -6,9 +6,9 @@ use stack::{Cancelled, Image, Monitor, Size};
 use super::cascade::{Parts, add_significant_residual};
 use super::features::GuideFeatures;
 use super::guided_kernel::GuidedKernel;
+use super::halves::{luminance, sum_of};
 use super::settings::{CascadeSettings, SpreadSettings};
 use super::split::Events;
-use super::{luminance, sum_of};
 use crate::exp::exp_of_negative;
 use crate::rectangle::{Rectangle, tiles_of};
 

@@ -1,6 +1,6 @@
 //! The method as a whole.
 
-use stack::{Dealing, SampleCounts, Silent, Size};
+use stack::{Dealing, Image, SampleCounts, Silent, Size};
 
 use super::test_scene::{component, energy, error, flat, image, stack_of, walls};
 use super::*;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::Guide;
+use super::fitted::Guide;
 use crate::patch_distance::pixel_distances;
 use crate::rectangle::Rectangle;
 

@@ -4,12 +4,12 @@ use pulp::{Simd, WithSimd};
 use stack::Size;
 
 use super::distances::{WindowDistances, offsets};
+use super::fitted::{Fitted, Guide, Kernel};
 use super::moments::moments;
 use super::plane::Plane;
 use super::row::FEATURES;
 use super::sums::Sums;
 use super::window::Neighbours;
-use super::{Fitted, Guide, Kernel};
 use crate::exp::exp_of_negative;
 use crate::rectangle::Rectangle;
 

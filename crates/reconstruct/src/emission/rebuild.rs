@@ -4,8 +4,8 @@ use stack::{Cancelled, Image, Monitor};
 
 use crate::Settings;
 use crate::box_filter::box_mean;
-use crate::pipeline::Reconstruction;
 use crate::prefilter::FeatureSet;
+use crate::reconstruction::Reconstruction;
 use crate::regression::{RegressionInput, regress};
 
 /// Rebuilds directly seen emission. A lamp is no spike, and where every bucket sees the same of it there is nothing to

@@ -14,9 +14,10 @@ use std::borrow::Cow;
 use stack::{Component, ComponentRole, FeatureStack, Monitor};
 
 use crate::Settings;
+use crate::components::{sum_of_components, variance_of};
 use crate::emission::{rebuild_emission, with_emission_apart};
-use crate::pipeline::{ReconstructError, Reconstruction, sum_of_components, variance_of};
 use crate::prefilter::prefilter;
+use crate::reconstruction::{ReconstructError, Reconstruction};
 
 /// A published method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

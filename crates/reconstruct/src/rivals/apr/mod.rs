@@ -24,8 +24,8 @@ use rayon::prelude::*;
 use stack::{Cancelled, FeatureStack, Image, Monitor};
 
 use crate::Settings;
-use crate::pipeline::{ReconstructError, Reconstruction};
 use crate::prefilter::{FeatureSet, prefilter};
+use crate::reconstruction::{ReconstructError, Reconstruction};
 use crate::regression::RegressionInput;
 use crate::regression::field::Field;
 use block::{Fitted, ORDERS};

@@ -20,9 +20,10 @@ use stack::{Cancelled, Component, FeatureStack, Image, Monitor, SampleCounts, Si
 use crate::Settings;
 use crate::box_filter::box_mean;
 use crate::collaborative::{Fitted, Guide, Kernel, Ridge, collaborate, rows_of, units};
+use crate::components::variance_of;
 use crate::patch_distance::{Comparison, NoisyPlanes};
-use crate::pipeline::{ReconstructError, Reconstruction, variance_of};
 use crate::prefilter::FeatureSet;
+use crate::reconstruction::{ReconstructError, Reconstruction};
 use features::{FeatureHalves, final_features, half_features};
 use selection::{Candidate, select};
 

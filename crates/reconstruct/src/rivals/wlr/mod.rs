@@ -18,8 +18,8 @@ use stack::{Cancelled, FeatureRole, FeatureStack, Image, Monitor, Size};
 
 use crate::Settings;
 use crate::box_filter::box_mean;
-use crate::pipeline::{ReconstructError, Reconstruction};
 use crate::prefilter::FeatureSet;
+use crate::reconstruction::{ReconstructError, Reconstruction};
 use crate::regression::RegressionInput;
 use crate::regression::field::Field;
 use crate::rivals::guides::{MeasuredFeatures, measured, whichever};
