@@ -66,6 +66,16 @@ pub fn smoothed(variance: &Image, radius: usize) -> Option<Image> {
     known.then(|| Image::from_channels(size, channels))
 }
 
+/// ½ of each value and ½ of the mean of 3×3 around it, plus `least`: a variance from few buckets is noisy itself.
+pub fn steadied(mut variance: Image, least: f32) -> Image {
+    let size = variance.size();
+    for plane in variance.channels_mut() {
+        let smooth = box_mean(plane, size, 1);
+        plane.iter_mut().zip(&smooth).for_each(|(v, s)| *v = 0.5 * *v + 0.5 * s + least);
+    }
+    variance
+}
+
 /// `variance` without unknown values (NaN): they are taken from their neighbours, or, when nothing at all is known (one
 /// sample a pixel), from how much the `mean` differs within 3×3 pixels. The latter takes detail for noise.
 pub fn known_everywhere(mut variance: Image, mean: &Image) -> Image {

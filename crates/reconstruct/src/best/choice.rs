@@ -38,17 +38,9 @@ fn precisions(candidates: &[[Image; 2]], layers: &Layers, settings: &ChoiceSetti
     (0..layers.variance.pixels()).map(precision).collect()
 }
 
-/// Σ over halves and channels of (x − y)² − v, x one half's candidate and y the other's noisy value, times `precision`.
+/// Cross-half error of every pixel, times `precision`.
 fn cross_errors(halves: &[Image; 2], layers: &Layers, precision: &[f32]) -> Vec<f32> {
-    let error = |pixel: usize| {
-        let v = layers.variance.rgb(pixel);
-        let of_half = |half: usize| {
-            let (x, y) = (halves[half].rgb(pixel), layers.halves[1 - half].rgb(pixel));
-            (0..3).map(|c| (x[c] - y[c]).powi(2) - v[c]).sum::<f32>()
-        };
-        (of_half(0) + of_half(1)) * precision[pixel]
-    };
-    (0..precision.len()).map(error).collect()
+    precision.iter().enumerate().map(|(pixel, precision)| layers.cross_error(halves, pixel) * precision).collect()
 }
 
 /// Weights that fall with the error relative to the least one; they add up to 1 at every pixel.
@@ -66,7 +58,8 @@ fn soft_minimum(errors: &[Vec<f32>], softness: f32) -> Vec<Vec<f32>> {
     weights
 }
 
-fn mixture(candidates: &[[Image; 2]], weights: &[Vec<f32>], half: usize) -> Image {
+/// One half of all `candidates`, added up with their `weights`.
+pub fn mixture(candidates: &[[Image; 2]], weights: &[Vec<f32>], half: usize) -> Image {
     let mut mixed = Image::zeros(candidates[0][half].size(), 3);
     for (candidate, weights) in candidates.iter().zip(weights) {
         for (sum, plane) in mixed.channels_mut().iter_mut().zip(candidate[half].channels()) {

@@ -2,6 +2,7 @@
 
 use stack::{Cancelled, Image, Monitor};
 
+use super::choice::mixture;
 use super::given::Given;
 use super::settings::FitSettings;
 use super::split::Layers;
@@ -25,8 +26,7 @@ pub fn first_pass(given: &Given, settings: &FitSettings, monitor: &dyn Monitor) 
     let fitted = Fitted { rows: &rows, importance: samples, noise, ridge, stride: settings.stride };
     let kernels = BANDWIDTHS.map(|bandwidth| Kernel { bandwidth, sigma: f32::INFINITY });
     monitor.begin("first pass", 2 * units(size, settings.stride));
-    let mut candidates: [Vec<Image>; 2] = Default::default();
-    for (half, rebuilt) in candidates.iter_mut().enumerate() {
+    let rebuild = |half: usize| -> Result<Vec<Image>, Cancelled> {
         let guide = Guide {
             planes: NoisyPlanes {
                 size,
@@ -37,41 +37,29 @@ pub fn first_pass(given: &Given, settings: &FitSettings, monitor: &dyn Monitor) 
             radius: settings.first_radius,
         };
         let predicted = collaborate(&fitted, &guide, &kernels, monitor)?;
-        *rebuilt = predicted.into_iter().map(|[a, b]| if half == 0 { a } else { b }).collect();
-    }
+        Ok(predicted.into_iter().map(|[a, b]| if half == 0 { a } else { b }).collect())
+    };
+    let candidates: Vec<[Image; 2]> = rebuild(0)?.into_iter().zip(rebuild(1)?).map(|(a, b)| [a, b]).collect();
     Ok(better_of(&candidates, layers))
 }
 
-/// Mixes two candidates, given as `[half][candidate]`: at each pixel the one of less cross-half error over 5×5 pixels,
+/// Mixes two candidates: at each pixel the one of less cross-half error over 5×5 pixels, relative to luminance² + 0.01,
 /// the border between them softened over 5×5 pixels.
-fn better_of(candidates: &[Vec<Image>; 2], layers: &Layers) -> [Image; 2] {
+fn better_of(candidates: &[[Image; 2]], layers: &Layers) -> [Image; 2] {
     let size = layers.variance.size();
-    let errors = [0, 1].map(|candidate| box_mean(&cross_error(candidates, candidate, layers), size, 2));
-    let second: Vec<f32> = errors[0].iter().zip(&errors[1]).map(|(a, b)| if b < a { 1.0 } else { 0.0 }).collect();
-    let second = box_mean(&second, size, 2);
-    [0, 1].map(|half: usize| {
-        let [a, b] = [0, 1].map(|candidate: usize| candidates[half][candidate].channels());
-        let mix = |(a, b): (&Vec<f32>, &Vec<f32>)| {
-            a.iter().zip(b).zip(&second).map(|((a, b), share)| (1.0 - share) * a + share * b).collect()
+    let error = |halves: &[Image; 2]| {
+        let relative = |pixel: usize| {
+            let luminance = candidates[0][0].mean_at(pixel);
+            layers.cross_error(halves, pixel) / (luminance * luminance + 1e-2)
         };
-        Image::from_channels(size, a.iter().zip(b).map(mix).collect())
-    })
-}
-
-/// Σ over halves and channels of (x − y)² − v, x one half's candidate and y the other's noisy value, relative to
-/// luminance² + 0.01.
-fn cross_error(candidates: &[Vec<Image>; 2], candidate: usize, layers: &Layers) -> Vec<f32> {
-    let error = |pixel: usize| {
-        let v = layers.variance.rgb(pixel);
-        let mut sum = 0.0;
-        for half in 0..2 {
-            let (x, y) = (candidates[half][candidate].rgb(pixel), layers.halves[1 - half].rgb(pixel));
-            sum += (0..3).map(|c| (x[c] - y[c]).powi(2) - v[c]).sum::<f32>();
-        }
-        let luminance = candidates[0][0].mean_at(pixel);
-        sum / (luminance * luminance + 1e-2)
+        box_mean(&(0..size.pixels()).map(relative).collect::<Vec<f32>>(), size, 2)
     };
-    (0..layers.variance.pixels()).map(error).collect()
+    let [first, second] = [error(&candidates[0]), error(&candidates[1])];
+    let second: Vec<f32> = first.iter().zip(&second).map(|(a, b)| if b < a { 1.0 } else { 0.0 }).collect();
+    let second = box_mean(&second, size, 2);
+    let first = second.iter().map(|share| 1.0 - share).collect();
+    let weights = [first, second];
+    [0, 1].map(|half: usize| mixture(candidates, &weights, half))
 }
 
 #[cfg(test)]

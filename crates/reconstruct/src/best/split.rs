@@ -7,22 +7,14 @@ use rayon::prelude::*;
 use stack::{Component, Image, Noise, SampleCounts, Size};
 
 use super::settings::SplitSettings;
-use crate::box_filter::box_mean;
 use crate::reconstruction::ReconstructError;
-use crate::variance::known_everywhere;
+use crate::variance::{known_everywhere, steadied};
 
 /// Least variance of a half.
 const LEAST_VARIANCE: f32 = 1e-7;
 
 /// Least luminance that anything is cut at.
 const LEAST_CAP: f32 = 1e-4;
-
-impl Events {
-    /// Σe²/(Σe)² of a pixel's events: one over how many equal ones they count for.
-    pub fn concentration(&self, pixel: usize) -> f32 {
-        self.squares[pixel] / (self.energy[pixel] * self.energy[pixel]).max(f32::MIN_POSITIVE)
-    }
-}
 
 /// A component in two layers.
 #[derive(Clone, Debug)]
@@ -45,6 +37,26 @@ pub struct Events {
     pub energy: Vec<f32>,
     /// Σ e².
     pub squares: Vec<f32>,
+}
+
+impl Events {
+    /// Σe²/(Σe)² of a pixel's events: one over how many equal ones they count for.
+    pub fn concentration(&self, pixel: usize) -> f32 {
+        self.squares[pixel] / (self.energy[pixel] * self.energy[pixel]).max(f32::MIN_POSITIVE)
+    }
+}
+
+impl Layers {
+    /// Σ over halves and channels of (x − y)² − v at `pixel`, x the value of one of `halves` and y the noisy one of the
+    /// other half: twice the expected squared error of half a picture, if x knows nothing of y.
+    pub fn cross_error(&self, halves: &[Image; 2], pixel: usize) -> f32 {
+        let v = self.variance.rgb(pixel);
+        let of_half = |half: usize| {
+            let (x, y) = (halves[half].rgb(pixel), self.halves[1 - half].rgb(pixel));
+            (0..3).map(|c| (x[c] - y[c]).powi(2) - v[c]).sum::<f32>()
+        };
+        of_half(0) + of_half(1)
+    }
 }
 
 /// Splits `component`.
@@ -73,7 +85,7 @@ pub fn split(
     let variance = known_everywhere(image(&|p| p.variance), &halves[0]);
     Ok(Layers {
         halves,
-        variance: steadied(variance),
+        variance: steadied(variance, LEAST_VARIANCE),
         events: Events {
             light: [0, 1].map(|half| image(&|p| p.light[half])),
             energy: pixels.iter().map(|p| p.energy).collect(),
@@ -85,16 +97,6 @@ pub fn split(
 /// Luminance of one bucket; −1 where it has no samples.
 fn luminance(buckets: &[Image], counts: &SampleCounts, bucket: usize, pixel: usize) -> f32 {
     if counts.in_group(pixel, bucket, buckets.len()) > 0 { buckets[bucket].mean_at(pixel).max(0.0) } else { -1.0 }
-}
-
-/// ½ its own and ½ that of the 3×3 pixels around it.
-fn steadied(mut variance: Image) -> Image {
-    let size = variance.size();
-    for plane in variance.channels_mut() {
-        let smooth = box_mean(plane, size, 1);
-        plane.iter_mut().zip(&smooth).for_each(|(v, s)| *v = 0.5 * *v + 0.5 * s + LEAST_VARIANCE);
-    }
-    variance
 }
 
 /// Values kept apart while looking for a high quantile.
@@ -172,12 +174,17 @@ impl SplitTask<'_> {
         quantile(&mut values, self.settings.quantile)
     }
 
+    /// Share of a bucket's light that stays in the low layer.
+    fn kept(&self, pixel: usize, bucket: usize, cap: f32) -> f32 {
+        (cap / self.luminances[bucket][pixel].max(1e-9)).min(1.0)
+    }
+
     fn pixel(&self, pixel: usize) -> SplitPixel {
         let cap = self.cap(pixel);
         let mut sums = BucketSums::default();
         for bucket in self.filled(pixel) {
             let radiance = self.buckets[bucket].rgb(pixel);
-            let kept = (cap / self.luminances[bucket][pixel].max(1e-9)).min(1.0);
+            let kept = self.kept(pixel, bucket, cap);
             sums.add(bucket, self.samples(pixel, bucket), radiance, kept);
         }
         let mut split = sums.finish();
@@ -191,7 +198,7 @@ impl SplitTask<'_> {
         let mut squares = [0.0; 3];
         for bucket in self.filled(pixel) {
             let radiance = self.buckets[bucket].rgb(pixel);
-            let kept = (cap / self.luminances[bucket][pixel].max(1e-9)).min(1.0);
+            let kept = self.kept(pixel, bucket, cap);
             for c in 0..3 {
                 let mean = (a * halves[0][c] + b * halves[1][c]) / (a + b);
                 squares[c] += self.samples(pixel, bucket) * (kept * radiance[c] - mean).powi(2);
