@@ -105,6 +105,8 @@ fn methods_are_set_beside_each_other() {
     for name in ["methods.md", "box-paper.exr", "box-paper.png", "box-ld.exr", "box-oidn.png", "box-reference.png"] {
         assert!(workplace.path("out").join(name).exists(), "{name}");
     }
+    let run = workplace.tamis("experiment methods box -o out --quiet --oidn no-such-program");
+    assert_eq!((run.code(), run.errors().len()), (Some(2), 1));
     let run = workplace.tamis("compare box/ref1.exr out/box-oidn.exr --max-rmse 1e9");
     assert_eq!(run.code(), Some(0), "the pictures can be compared again");
 }

@@ -237,6 +237,10 @@ pub struct ExperimentArgs {
     /// A setting to change, as the flags of `render` are called; may be given more than once.
     #[arg(long = "set", value_name = "FLAG=VALUE")]
     pub changes: Vec<String>,
+    /// Program that denoises a stack with Open Image Denoise, called with the stack and `-o DIR`, for instance "python
+    /// scripts/denoise_with_oidn.py".
+    #[arg(long, value_name = "COMMAND")]
+    pub oidn: Option<String>,
     /// Numbers of the paper's figures to make [default: all].
     #[arg(long, value_name = "N,N…", value_delimiter = ',')]
     pub figures: Vec<u32>,

@@ -7,6 +7,7 @@ mod figures;
 mod fireflies;
 mod geometric_mean;
 mod methods;
+mod oidn;
 mod reference;
 mod scenes;
 mod sequences;
@@ -28,8 +29,8 @@ pub enum Experiment {
     /// Error with each stage switched off in turn, and how rank and bandwidth are distributed. Inputs: folders with
     /// b0.exr, b1.exr …, ref1.exr and ref2.exr.
     Stages,
-    /// Every method on every stack: errors, time, pictures, and errors over Open Image Denoise's. Inputs: folders as for
-    /// stages, perhaps with oidn.exr.
+    /// Every method on every stack: errors, time, pictures, and errors over Open Image Denoise's and over the best
+    /// rival's. Inputs: folders as for stages, perhaps with oidn.exr, or scenes.
     Methods,
     /// Noisy, uniform and adaptive pictures of scenes and adaptive over uniform errors. Inputs: scenes.
     Scenes,

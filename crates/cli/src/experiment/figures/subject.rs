@@ -60,7 +60,7 @@ impl Subject {
         let spp = args.spp.iter().copied().max().unwrap_or(1);
         let stack = stage.render(&Settings::default(), &Budget::uniform(spp), false, progress)?.stack;
         let references = [converged[0].beauty(), converged[1].beauty()];
-        let case = Case { name: stage.name.clone(), stack, references, oidn: None };
+        let case = Case { name: stage.name.clone(), stack, references, others: Vec::new() };
         let [converged, _] = converged;
         Ok(Self { stage: Some(stage), converged: Some(converged), ..Self::of(case) })
     }
