@@ -106,6 +106,7 @@ fn map_planes(
     f: impl Fn(&[f32], &[f32], (usize, usize)) -> f32 + Sync,
 ) -> Image {
     let mut image = Image::zeros(buckets[0].size(), buckets[0].channels().len());
+    let counts = counts.grouped(buckets.len());
     for (c, plane) in image.channels_mut().iter_mut().enumerate() {
         plane.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, out)| {
             let (mut values, mut n) = (vec![0.0; buckets.len()], vec![0.0; buckets.len()]);
@@ -113,7 +114,7 @@ fn map_planes(
                 let pixel = chunk * CHUNK + i;
                 for (b, bucket) in buckets.iter().enumerate() {
                     values[b] = bucket.channels()[c][pixel];
-                    n[b] = counts.in_group(pixel, b, buckets.len()) as f32;
+                    n[b] = counts.of(pixel, b) as f32;
                 }
                 *out = f(&values, &n, (c, pixel));
             }
