@@ -15,11 +15,12 @@ const KERNELS: [Kernel; 3] = [
 ];
 
 /// All responses of `problem` with its guide, once per kernel.
-fn run(problem: &Problem, radius: usize, kernels: &[Kernel], change: impl Fn(Fitted) -> Fitted) -> Vec<Predicted> {
+fn run(problem: &Problem, radius: usize, stride: usize, least: f32, importance: Option<&[f32]>) -> Vec<Predicted> {
     let (planes, values) = (problem.planes(), [problem.values()]);
     let responses = planes.responses();
-    let fitted = change(problem.fitted(&planes, &[&responses], 1e-3, 1));
-    collaborate(&fitted, &problem.guides(&values, radius), kernels, &Silent).unwrap()
+    let all = [&responses[..]];
+    let fitted = Fitted { importance, ..problem.fitted(&planes, &all, least, stride) };
+    collaborate(&fitted, &problem.guides(&values, radius), &KERNELS, &Silent).unwrap()
 }
 
 #[test]
@@ -69,9 +70,7 @@ fn data_linear_in_the_features_come_back_at_every_pixel() {
     for (width, height) in [(26, 19), (1, 1), (23, 1), (1, 17), (2, 2)] {
         let problem = Problem::linear(Size::new(width, height), 61);
         for stride in 1..=3 {
-            let importance = Some(&problem.importance[..]);
-            let ridge = Ridge { least: 1e-6, per_noise: 0.0 };
-            let found = run(&problem, 4, &KERNELS, |fitted| Fitted { stride, importance, ridge, ..fitted });
+            let found = run(&problem, 4, stride, 1e-6, Some(&problem.importance));
             for (predicted, kernel) in found.iter().zip(&KERNELS) {
                 let difference = problem.largest_difference(predicted);
                 assert!(difference < 5e-3, "{width}x{height}, every {stride}, {kernel:?}: {difference}");
@@ -85,8 +84,7 @@ fn constants_stay_constants() {
     let mut problem = Problem::random(Size::new(25, 17), 62);
     (0..problem.size.pixels()).for_each(|i| problem.set_responses(i, 0.7));
     for (stride, least) in [(1, 1e-5), (2, 1.0), (3, 1e-5)] {
-        let ridge = Ridge { least, per_noise: 0.0 };
-        for predicted in run(&problem, 3, &KERNELS, |fitted| Fitted { stride, ridge, ..fitted }) {
+        for predicted in run(&problem, 3, stride, least, None) {
             assert!(problem.largest_difference(&predicted) < 1e-5);
         }
     }
@@ -95,9 +93,7 @@ fn constants_stay_constants() {
 #[test]
 fn the_same_importance_everywhere_is_none() {
     let problem = Problem::random(Size::new(20, 15), 63);
-    let with = |importance: Option<&'static [f32]>| {
-        run(&problem, 3, &KERNELS, |fitted| Fitted { importance, stride: 2, ..fitted })
-    };
+    let with = |importance: Option<&[f32]>| run(&problem, 3, 2, 1e-3, importance);
     assert!(with(None) == with(Some(&[4.0; 300])));
 }
 
@@ -128,7 +124,7 @@ fn the_same_bytes_for_any_number_of_threads() {
     let problem = Problem::random(Size::new(120, 70), 65);
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| run(&problem, 3, &KERNELS, |fitted| Fitted { stride: 2, ..fitted }))
+        pool.install(|| run(&problem, 3, 2, 1e-3, None))
     };
     assert!(with(1) == with(4));
 }
