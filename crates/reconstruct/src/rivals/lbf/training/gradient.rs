@@ -14,7 +14,7 @@ const EPSILON: f32 = 0.001;
 
 /// Rows of some examples.
 #[derive(Clone, Copy, Debug)]
-pub struct Batch<'a> {
+pub(super) struct Batch<'a> {
     pub(super) examples: &'a [Example],
     /// Numbers of example and row.
     pub(super) rows: &'a [(usize, usize)],
@@ -24,11 +24,11 @@ pub struct Batch<'a> {
 
 /// Mean error and its derivatives.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Slope {
+pub(super) struct Slope {
     /// Mean over pixels and channels of ½ (ĉ − c)²/(c² + ε).
-    pub error: f64,
+    pub(super) error: f64,
     /// Its derivative by each parameter.
-    pub gradient: Vec<f64>,
+    pub(super) gradient: Vec<f64>,
 }
 
 impl Batch<'_> {

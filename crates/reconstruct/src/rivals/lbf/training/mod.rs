@@ -14,7 +14,7 @@ use super::secondary::{INPUTS, Inputs};
 use adam::Adam;
 pub use example::Example;
 pub use fixed::best_fixed;
-pub use gradient::{Batch, Slope};
+use gradient::Batch;
 pub use numbers::Numbers;
 
 /// How the network is trained.
