@@ -8,9 +8,8 @@ use crate::rivals::lbf::filter::{FilteredRow, RowFilter, RowGradient};
 use crate::rivals::lbf::kernel::Bandwidths;
 use crate::rivals::lbf::network::{Network, PARAMETERS};
 
-/// ε of the relative error (the paper's equation 5, where it is 0.01): that of `metrics`, so that dark pixels count as much
-/// in training as they do when pictures are judged.
-const EPSILON: f32 = 0.001;
+/// ε of the relative error (the paper's equation 5).
+const EPSILON: f32 = 0.01;
 
 /// Rows of some examples.
 #[derive(Clone, Copy, Debug)]
