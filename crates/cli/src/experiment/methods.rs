@@ -36,7 +36,7 @@ pub const METHODS: &[Entry] = &[
 ];
 
 /// Methods that are not ours: published ones, and other programs.
-const RIVALS: [&str; 7] = ["wlr", "wlrp", "wlrv", "nfor", "apr", "oidn", "oidn-clean"];
+const RIVALS: [&str; 8] = ["wlr", "wlrp", "wlrv", "nfor", "apr", "lbf", "oidn", "oidn-clean"];
 
 /// A judged picture of one stack.
 struct Cell {

@@ -31,7 +31,12 @@ fn of_scene(file: &Path, args: &ExperimentArgs, progress: &Progress) -> Result<V
     let references = references(args, &stage, progress)?;
     let case = |spp: &u32| {
         let stack = stage.render(&args.settings()?, &Budget::uniform(*spp), false, progress)?.stack;
-        Ok(Case { name: format!("{} {spp} spp", stage.name), stack, references: references.clone(), oidn: None })
+        Ok(Case {
+            name: format!("{} {spp} spp", stage.name),
+            stack,
+            references: references.clone(),
+            others: Vec::new(),
+        })
     };
     args.spp.iter().map(case).collect()
 }
