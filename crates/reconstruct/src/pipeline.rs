@@ -8,6 +8,7 @@ use crate::method::{Fit, Method};
 use crate::prefilter::{FeatureSet, prefilter};
 use crate::reconstruction::{ReconstructError, Reconstruction};
 use crate::rivals::Rival;
+use crate::rivals::lbf::Tuning;
 use crate::rivals::wlr::Variant;
 use crate::{Settings, best, paper, rivals};
 
@@ -28,6 +29,7 @@ pub fn reconstruct(
         Method::Wlrv => rivals::reconstruct(stack, Rival::Wlr(Variant::Visibility), settings, monitor),
         Method::Nfor => rivals::reconstruct(stack, Rival::Nfor, settings, monitor),
         Method::Apr => rivals::reconstruct(stack, Rival::Apr, settings, monitor),
+        Method::Lbf => rivals::reconstruct(stack, Rival::Lbf(Tuning::Trained), settings, monitor),
     }
 }
 
