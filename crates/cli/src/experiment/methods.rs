@@ -24,6 +24,7 @@ pub const METHODS: &[Entry] = &[
     ("wlrv", Preset::Paper, &[("method", "wlrv")]),
     ("nfor", Preset::Paper, &[("method", "nfor")]),
     ("apr", Preset::Paper, &[("method", "apr")]),
+    ("lbf", Preset::Paper, &[("method", "lbf")]),
     ("paper", Preset::Paper, &[]),
     ("best", Preset::Best, &[]),
     ("fast", Preset::Fast, &[]),

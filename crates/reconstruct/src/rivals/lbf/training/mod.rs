@@ -4,7 +4,7 @@ mod adam;
 mod example;
 mod fixed;
 mod gradient;
-mod shuffle;
+mod numbers;
 
 use stack::{Cancelled, Monitor};
 
@@ -15,7 +15,7 @@ use adam::Adam;
 pub use example::Example;
 pub use fixed::best_fixed;
 pub use gradient::{Batch, Slope};
-use shuffle::Numbers;
+pub use numbers::Numbers;
 
 /// How the network is trained.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,10 +2,11 @@
 
 /// A generator that gives the same numbers for the same seed.
 #[derive(Clone, Debug)]
-pub(super) struct Numbers(u64);
+pub struct Numbers(u64);
 
 impl Numbers {
-    pub(super) const fn new(seed: u64) -> Self {
+    /// Numbers of their own for each seed.
+    pub const fn new(seed: u64) -> Self {
         Self(seed)
     }
 
@@ -18,12 +19,12 @@ impl Numbers {
     }
 
     /// Uniform in [−1, 1).
-    pub(super) fn symmetric(&mut self) -> f64 {
+    pub fn symmetric(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }
 
     /// Puts `items` in random order (Fisher and Yates).
-    pub(super) fn shuffle<T>(&mut self, items: &mut [T]) {
+    pub fn shuffle<T>(&mut self, items: &mut [T]) {
         for i in (1..items.len()).rev() {
             items.swap(i, (self.next() % (i as u64 + 1)) as usize);
         }
