@@ -12,8 +12,10 @@ pub mod collaborative;
 mod components;
 mod emission;
 pub mod exp;
+pub mod ln;
 mod method;
 pub mod metrics;
+pub mod network;
 pub mod nl_means;
 mod paper;
 pub mod patch_distance;
@@ -30,6 +32,6 @@ mod test_noise;
 pub mod variance;
 
 pub use method::{Fit, Method, MethodSettings};
-pub use pipeline::reconstruct;
+pub use pipeline::{reconstruct, reconstruct_with_chooser};
 pub use reconstruction::{ReconstructError, Reconstruction};
 pub use settings::Settings;

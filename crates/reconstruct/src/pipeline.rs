@@ -42,18 +42,32 @@ fn ours(stack: &FeatureStack, settings: &Settings, monitor: &dyn Monitor) -> Res
             })
         }
         Fit::Collaborative => {
-            let features = best::guide_features(stack, &settings.best.features, monitor)?;
-            sum_of_components(stack.size(), &stack.components, |component| match component.role {
-                ComponentRole::Scattered => best::rebuild(stack, component, &features, &settings.best, monitor),
-                ComponentRole::Emission => {
-                    let (radiance, variance) = (&component.radiance.mean, variance_of(stack, component)?);
-                    let mut rebuilt = rebuild_emission(radiance, &variance, &features.set, settings, monitor)?;
-                    best::share_unseen(&mut rebuilt.mse, &variance);
-                    Ok(rebuilt)
-                }
-            })
+            let chooser = settings.best.choice.learned.then(best::trained).transpose()?;
+            reconstruct_with_chooser(stack, settings, chooser.as_ref(), monitor)
         }
     }
+}
+
+/// Reconstructs the picture of `stack` by collaborative fits; the `chooser` helps to mix their candidates.
+///
+/// # Errors
+/// As [`reconstruct`].
+pub fn reconstruct_with_chooser(
+    stack: &FeatureStack,
+    settings: &Settings,
+    chooser: Option<&best::Chooser>,
+    monitor: &dyn Monitor,
+) -> Result<Reconstruction, ReconstructError> {
+    let features = best::guide_features(stack, &settings.best.features, monitor)?;
+    sum_of_components(stack.size(), &stack.components, |component| match component.role {
+        ComponentRole::Scattered => best::rebuild(stack, component, &features, &settings.best, chooser, monitor),
+        ComponentRole::Emission => {
+            let (radiance, variance) = (&component.radiance.mean, variance_of(stack, component)?);
+            let mut rebuilt = rebuild_emission(radiance, &variance, &features.set, settings, monitor)?;
+            best::share_unseen(&mut rebuilt.mse, &variance);
+            Ok(rebuilt)
+        }
+    })
 }
 
 /// The mean of the samples, with its variance as error.
