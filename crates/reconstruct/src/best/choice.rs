@@ -24,7 +24,7 @@ pub use chooser::Chooser;
 use chooser::softmax;
 pub use evidence::CANDIDATES;
 use evidence::{Evidence, Scales};
-use inputs::{Inputs, LANES, rule_scores};
+use inputs::{Inputs, LANES, Lanes, rule_scores};
 pub use weights::trained;
 
 /// Radius of the box that smooths weights, in pixels.
@@ -52,31 +52,54 @@ pub struct Contest<'a> {
 pub fn choose(contest: &Contest, settings: &ChoiceSettings, chooser: Option<&Chooser>) -> [Image; 2] {
     assert_eq!(contest.candidates.len(), CANDIDATES, "the network knows these candidates");
     let weights = match chooser {
-        Some(chooser) => {
-            let inputs = Inputs::new(contest, settings);
-            weigh(contest, |pixels| chooser.weights(&inputs.block(pixels)))
-        }
-        None => {
-            let evidence = Evidence::new(contest, settings, Scales::OfTheRule);
-            weigh(contest, |pixels| softmax(rule_scores(evidence.level_of_rule(), pixels, settings)))
-        }
+        Some(chooser) => weigh(contest, &Learned { inputs: &Inputs::new(contest, settings), chooser }),
+        None => weigh(contest, &Rule { evidence: &Evidence::new(contest, settings, Scales::OfTheRule), settings }),
     };
     let size = contest.pilot.size();
     let weights: Vec<Vec<f32>> = weights.par_iter().map(|plane| box_mean(plane, size, WEIGHT_RADIUS)).collect();
     [0, 1].map(|half: usize| mixture(contest.candidates, &weights, half))
 }
 
-/// Planes of weights, from those that `of_pixels` gives the candidates at some pixels.
-fn weigh(
-    contest: &Contest,
-    of_pixels: impl Fn(&[usize; LANES]) -> [[f32; LANES]; CANDIDATES] + Sync,
-) -> Vec<Vec<f32>> {
+/// What gives candidates their weights.
+trait Judge: Sync {
+    /// What each candidate weighs at these pixels; together 1.
+    fn weights(&self, pixels: &[usize; LANES]) -> [Lanes; CANDIDATES];
+}
+
+/// Errors alone.
+struct Rule<'a> {
+    evidence: &'a Evidence,
+    settings: &'a ChoiceSettings,
+}
+
+impl Judge for Rule<'_> {
+    #[inline(always)]
+    fn weights(&self, pixels: &[usize; LANES]) -> [Lanes; CANDIDATES] {
+        softmax(rule_scores(self.evidence.level_of_rule(), pixels, self.settings))
+    }
+}
+
+/// Errors and the network.
+struct Learned<'a> {
+    inputs: &'a Inputs<'a>,
+    chooser: &'a Chooser,
+}
+
+impl Judge for Learned<'_> {
+    #[inline(always)]
+    fn weights(&self, pixels: &[usize; LANES]) -> [Lanes; CANDIDATES] {
+        self.chooser.weights(&self.inputs.block(pixels))
+    }
+}
+
+/// A plane of weights for every candidate.
+fn weigh(contest: &Contest, judge: &impl Judge) -> Vec<Vec<f32>> {
     let pixels = contest.pilot.pixels();
-    let blocks: Vec<[[f32; LANES]; CANDIDATES]> = (0..pixels.div_ceil(LANES))
+    let blocks: Vec<[Lanes; CANDIDATES]> = (0..pixels.div_ceil(LANES))
         .into_par_iter()
         .map(|block| {
             let pixels = std::array::from_fn(|lane| (block * LANES + lane).min(pixels - 1));
-            pulp::Arch::new().dispatch(BlockTask { pixels, of_pixels: &of_pixels })
+            pulp::Arch::new().dispatch(BlockTask { pixels, judge })
         })
         .collect();
     let plane = |k: usize| blocks.iter().flat_map(|block| block[k]).take(pixels).collect();
@@ -84,17 +107,17 @@ fn weigh(
 }
 
 /// Some pixels, weighed with the widest instructions there are.
-struct BlockTask<'a, F> {
+struct BlockTask<'a, J> {
     pixels: [usize; LANES],
-    of_pixels: &'a F,
+    judge: &'a J,
 }
 
-impl<F: Fn(&[usize; LANES]) -> [[f32; LANES]; CANDIDATES]> pulp::NullaryFnOnce for BlockTask<'_, F> {
-    type Output = [[f32; LANES]; CANDIDATES];
+impl<J: Judge> pulp::NullaryFnOnce for BlockTask<'_, J> {
+    type Output = [Lanes; CANDIDATES];
 
     #[inline(always)]
     fn call(self) -> Self::Output {
-        (self.of_pixels)(&self.pixels)
+        self.judge.weights(&self.pixels)
     }
 }
 

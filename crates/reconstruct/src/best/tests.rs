@@ -117,7 +117,7 @@ fn the_same_bytes_for_any_number_of_threads() {
 #[test]
 fn means_and_relative_noise_follow_their_formulas() {
     let layers = test_scene::layers(&flat(SIZE, 2.0), 0.0, 149);
-    let noise = relative_noise(&split::Layers { variance: flat(SIZE, 0.4), ..layers });
+    let noise = relative_noise(&Layers { variance: flat(SIZE, 0.4), ..layers });
     assert!(noise.iter().all(|v| (v - 0.4 / 4.001).abs() < 1e-5));
     assert_eq!(mean_of(&[flat(SIZE, 1.0), flat(SIZE, 4.0)]), flat(SIZE, 2.5));
 }

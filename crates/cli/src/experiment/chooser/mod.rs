@@ -1,7 +1,8 @@
-//! Trains the network that helps to mix candidates on variations of our scenes, and judges it on pictures it has not seen,
+//! Trains the network that helps to mix candidates on variations of our scenes and on rooms of chance, and judges it on pictures it has not seen,
 //! beside the rule without it.
 
 mod examples;
+mod room;
 
 use anyhow::{Context, Result};
 use reconstruct::best::Chooser;

@@ -12,6 +12,7 @@ use super::evidence::CANDIDATES;
 use super::inputs::{Block, OWN};
 use crate::network::{Adam, Numbers};
 pub use example::Example;
+use example::Judged;
 use slope::{Slope, slope_of_block};
 
 /// How the network is trained.
@@ -64,8 +65,7 @@ fn mean_slope(examples: &[Example], chooser: &Chooser, first: usize, count: usiz
     let of_example = |example: &Example| {
         let mut sum = Slope::nothing();
         for block in first..first + count {
-            let judged = example.judged(block);
-            pulp::Arch::new().dispatch(|| slope_of_block(&judged, chooser, &mut sum));
+            pulp::Arch::new().dispatch(BlockTask { judged: example.judged(block), chooser, sum: &mut sum });
         }
         sum
     };
@@ -76,7 +76,23 @@ fn mean_slope(examples: &[Example], chooser: &Chooser, first: usize, count: usiz
     mean
 }
 
-/// A network that says nothing yet; means and deviations of its inputs are those of the `examples`.
+/// A block, with the widest instructions there are.
+struct BlockTask<'a> {
+    judged: Judged<'a>,
+    chooser: &'a Chooser,
+    sum: &'a mut Slope,
+}
+
+impl pulp::NullaryFnOnce for BlockTask<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        slope_of_block(&self.judged, self.chooser, self.sum);
+    }
+}
+
+/// A network that says next to nothing yet; means and deviations of its inputs are those of the `examples`.
 fn start(examples: &[Example], seed: u64) -> Chooser {
     let values = |of: &dyn Fn(&Block, usize) -> (f64, usize)| -> [f64; INPUTS] {
         std::array::from_fn(|input| {

@@ -20,7 +20,7 @@ pub struct Example {
     /// What the network is told.
     pub(super) blocks: Vec<Block>,
     answers: Vec<Answer>,
-    /// The rule's mean error.
+    /// Mean size of the rule's errors.
     norm: f32,
 }
 

@@ -6,9 +6,9 @@ use crate::best::choice::evidence::CANDIDATES;
 use crate::best::choice::inputs::{Block, LANES, Lanes};
 use crate::network::sum_of_lanes;
 
-/// An error this many times the rule's mean pulls half as hard as it would: a few pixels should not rule the rest.
+/// An error this many times the size of the rule's pulls half as hard as it would: a few pixels should not rule the rest.
 const FAR: f32 = 30.0;
-/// Share of pixels whose error is left out of the rule's mean.
+/// Share of pixels that are left out of the rule's mean.
 const WORST: f64 = 1e-3;
 /// Least mean error of the rule.
 const LEAST_NORM: f32 = 1e-7;
@@ -17,7 +17,8 @@ const LEAST_NORM: f32 = 1e-7;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Slope {
     /// (x − r₁)(x − r₂)/(r² + 0.001) for a mixture x and references r₁ and r₂, r their mean: as references are
-    /// independent, its mean is that of (x − truth)². Mean over channels, relative to the rule's.
+    /// independent, its mean is that of (x − truth)². Mean over channels, relative to the size of
+    /// the rule's.
     pub error: f64,
     /// Its derivative by each parameter.
     pub gradient: Vec<f64>,
@@ -92,8 +93,10 @@ pub(super) fn errors_of_rule(blocks: &[Block], answers: &[Answer]) -> Vec<f32> {
     blocks.iter().zip(answers).flat_map(of_rule).collect()
 }
 
-/// Their mean without the worst of them, above 0.
+/// Their mean size without the largest, above 0. The size, because noisy references make errors of either sign: a picture
+/// whose references say little should not count for much.
 pub(super) fn norm_of(mut errors: Vec<f32>) -> f32 {
+    errors.iter_mut().for_each(|error| *error = error.abs());
     errors.sort_by(f32::total_cmp);
     let kept = errors.len() - (WORST * errors.len() as f64).ceil() as usize;
     let sum = errors[..kept].iter().map(|v| f64::from(*v)).sum::<f64>();
