@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use anyhow::Result;
 use clap::ArgMatches;
-use reconstruct::{Reconstruction, reconstruct};
+use reconstruct::{Reconstruction, reconstruct, reconstruct_freeing};
 use serde_json::{Value, json};
 use stack::file::{ReadStack, StackHeader, read_buckets, read_stack};
 use stack::{FeatureRole, FeatureStack};
@@ -27,14 +27,18 @@ pub fn run(args: &DenoiseArgs, matches: &ArgMatches) -> Result<Verdict> {
     render::start_threads(&args.report)?;
     interrupt::listen();
     let progress = Progress::new(&args.report);
-    let read = read(args)?;
+    let mut read = read(args)?;
     for note in &read.notes {
         progress.say(note);
     }
     let loaded = start.elapsed().as_secs_f64();
     require(args, &read.stack)?;
     let settings = resolve(args, matches, read.header.as_ref())?;
-    let reconstruction = reconstruct(&read.stack, &settings.reconstruction, &progress)?;
+    let reconstruction = if outputs.need_inputs() {
+        reconstruct(&read.stack, &settings.reconstruction, &progress)?
+    } else {
+        reconstruct_freeing(&mut read.stack, &settings.reconstruction, &progress)?
+    };
     progress.finish();
     let picture = &reconstruction.picture;
     let header = StackHeader { settings: settings.to_json(), ..header_of(&read) };

@@ -1,10 +1,14 @@
 //! A picture rebuilt from its stack: every component by the method that was asked for, then their sum.
 
-use stack::{Component, ComponentRole, FeatureStack, Monitor};
+use std::borrow::Cow;
 
-use crate::components::{sum_of_components, variance_of};
+use stack::{Component, ComponentRole, Estimate, FeatureStack, Image, Monitor, Noise};
+
+use crate::best::{Chooser, GuideFeatures};
+use crate::components::{is_lit, sum_of_components, variance_of};
 use crate::emission::{rebuild_emission, with_emission_apart};
-use crate::method::{Fit, Method};
+use crate::method::{Fit, Method, MethodSettings};
+use crate::network::WeightsError;
 use crate::prefilter::{FeatureSet, prefilter};
 use crate::reconstruction::{ReconstructError, Reconstruction};
 use crate::rivals::Rival;
@@ -33,6 +37,43 @@ pub fn reconstruct(
     }
 }
 
+/// The same, but frees the buckets of `stack` as soon as nothing needs them; means and sample counts stay.
+///
+/// # Errors
+/// As [`reconstruct`].
+pub fn reconstruct_freeing(
+    stack: &mut FeatureStack,
+    settings: &Settings,
+    monitor: &dyn Monitor,
+) -> Result<Reconstruction, ReconstructError> {
+    let MethodSettings { method, fit } = settings.method;
+    if (method, fit) != (Method::Ours, Fit::Collaborative) {
+        return reconstruct(stack, settings, monitor);
+    }
+    let features = best::guide_features(stack, &settings.best.features, monitor)?;
+    stack.features.iter_mut().for_each(|feature| feature.estimate.noise = Noise::Unknown);
+    let mut components = with_noise_of(&mut stack.components);
+    let chooser = chooser(settings)?;
+    let task = Collaborative { stack, features: &features, settings, chooser: chooser.as_ref() };
+    let mut sum = Reconstruction::plain(Image::zeros(stack.size(), 3));
+    // The last first: emission is soon done with.
+    while let Some(component) = components.pop() {
+        if is_lit(&component) {
+            sum.add(task.rebuilt(Cow::Owned(component), monitor)?);
+        }
+    }
+    Ok(sum)
+}
+
+/// Copies of `components` that take over what is known about their noise.
+fn with_noise_of(components: &mut [Component]) -> Vec<Component> {
+    let taken = |component: &mut Component| {
+        let noise = std::mem::replace(&mut component.radiance.noise, Noise::Unknown);
+        Component { role: component.role, radiance: Estimate { mean: component.radiance.mean.clone(), noise } }
+    };
+    components.iter_mut().map(taken).collect()
+}
+
 fn ours(stack: &FeatureStack, settings: &Settings, monitor: &dyn Monitor) -> Result<Reconstruction, ReconstructError> {
     match settings.method.fit {
         Fit::Local => {
@@ -42,8 +83,7 @@ fn ours(stack: &FeatureStack, settings: &Settings, monitor: &dyn Monitor) -> Res
             })
         }
         Fit::Collaborative => {
-            let chooser = settings.best.choice.learned.then(best::trained).transpose()?;
-            reconstruct_with_chooser(stack, settings, chooser.as_ref(), monitor)
+            reconstruct_with_chooser(stack, settings, chooser(settings)?.as_ref(), monitor)
         }
     }
 }
@@ -55,19 +95,38 @@ fn ours(stack: &FeatureStack, settings: &Settings, monitor: &dyn Monitor) -> Res
 pub fn reconstruct_with_chooser(
     stack: &FeatureStack,
     settings: &Settings,
-    chooser: Option<&best::Chooser>,
+    chooser: Option<&Chooser>,
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
     let features = best::guide_features(stack, &settings.best.features, monitor)?;
-    sum_of_components(stack.size(), &stack.components, |component| match component.role {
-        ComponentRole::Scattered => best::rebuild(stack, component, &features, &settings.best, chooser, monitor),
-        ComponentRole::Emission => {
-            let (radiance, variance) = (&component.radiance.mean, variance_of(stack, component)?);
-            let mut rebuilt = rebuild_emission(radiance, &variance, &features.set, settings, monitor)?;
-            best::share_unseen(&mut rebuilt.mse, &variance);
-            Ok(rebuilt)
+    let task = Collaborative { stack, features: &features, settings, chooser };
+    sum_of_components(stack.size(), &stack.components, |component| task.rebuilt(Cow::Borrowed(component), monitor))
+}
+
+/// What the network says that comes along, where it is asked.
+fn chooser(settings: &Settings) -> Result<Option<Chooser>, WeightsError> {
+    settings.best.choice.learned.then(best::trained).transpose()
+}
+
+/// What collaborative fits need to rebuild a component.
+struct Collaborative<'a> {
+    stack: &'a FeatureStack,
+    features: &'a GuideFeatures,
+    settings: &'a Settings,
+    chooser: Option<&'a Chooser>,
+}
+
+impl Collaborative<'_> {
+    fn rebuilt(&self, component: Cow<'_, Component>, monitor: &dyn Monitor) -> Result<Reconstruction, ReconstructError> {
+        let Self { stack, features, settings, chooser } = *self;
+        if component.role == ComponentRole::Scattered {
+            return best::rebuild(stack, component, features, &settings.best, chooser, monitor);
         }
-    })
+        let (radiance, variance) = (&component.radiance.mean, variance_of(stack, &component)?);
+        let mut rebuilt = rebuild_emission(radiance, &variance, &features.set, settings, monitor)?;
+        best::share_unseen(&mut rebuilt.mse, &variance);
+        Ok(rebuilt)
+    }
 }
 
 /// The mean of the samples, with its variance as error.

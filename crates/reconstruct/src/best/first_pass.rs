@@ -31,6 +31,7 @@ pub fn first_pass(given: &Given, settings: &FitSettings, monitor: &dyn Monitor) 
         noise,
         ridge: Ridge { least: settings.ridge, per_noise: settings.ridge_noise },
         stride: settings.stride,
+        covered: settings.covered,
     };
     let guides = Guides {
         size,
@@ -40,7 +41,7 @@ pub fn first_pass(given: &Given, settings: &FitSettings, monitor: &dyn Monitor) 
         radius: settings.first_radius,
     };
     let kernels = BANDWIDTHS.map(|bandwidth| Kernel { bandwidth, sigma: f32::INFINITY });
-    monitor.begin("first pass", units(size, settings.stride));
+    monitor.begin("first pass", units(size, settings.stride, settings.covered));
     let predicted = collaborate(&fitted, &guides, &kernels, monitor)?;
     let candidates: Vec<[Image; 2]> = predicted.into_iter().map(|planes| halves_of(size, planes)).collect();
     Ok(better_of(&candidates, layers))

@@ -22,6 +22,8 @@ mod spread;
 #[cfg(test)]
 mod test_scene;
 
+use std::borrow::Cow;
+
 use stack::{Component, FeatureStack, Image, Monitor};
 
 use self::cascade::{Parts, add_significant_residual};
@@ -43,13 +45,14 @@ use settings::{ChoiceSettings, RestoreSettings};
 /// Groups that buckets are put together in for the cascade: fewer are less work and say less about the variance.
 const CASCADE_GROUPS: usize = 4;
 
-/// Rebuilds the scattered light `component` of `stack`; the `chooser` helps to mix its candidates.
+/// Rebuilds the scattered light `component` of `stack`; the `chooser` helps to mix its candidates. A component that
+/// it owns is freed as soon as nothing needs it.
 ///
 /// # Errors
 /// When its noise does not come in buckets, or `monitor` cancels.
 pub fn rebuild(
     stack: &FeatureStack,
-    component: &Component,
+    component: Cow<'_, Component>,
     features: &GuideFeatures,
     settings: &BestSettings,
     chooser: Option<&Chooser>,
@@ -95,13 +98,15 @@ impl Prepared {
     /// All steps up to the choice.
     fn new(
         stack: &FeatureStack,
-        component: &Component,
+        component: Cow<'_, Component>,
         features: &GuideFeatures,
         settings: &BestSettings,
         monitor: &dyn Monitor,
     ) -> Result<Self, ReconstructError> {
         monitor.begin("spikes", 1);
-        let layers = split::split(component, &stack.samples, &settings.split)?;
+        let layers = split::split(&component, &stack.samples, &settings.split)?;
+        let groups = component.radiance.groups(&stack.samples, CASCADE_GROUPS);
+        drop(component);
         let noise = relative_noise(&layers);
         let samples = share_of_samples(&stack.samples.total, &settings.regression);
         let given = Given { layers: &layers, noise: &noise, samples: samples.as_deref(), features };
@@ -111,7 +116,7 @@ impl Prepared {
         let events = spread::spread(&layers.events, &pilot, features, &settings.spread);
         let spread = spread::steadied(events.halves, &pilot, features, &settings.spread, monitor)?;
         pilot.add(&spread);
-        if let Some(groups) = component.radiance.groups(&stack.samples, CASCADE_GROUPS) {
+        if let Some(groups) = groups {
             let parts = Parts::new(groups, &stack.samples);
             let kernel = GuidedKernel::surfaces(features, settings.cascade.feature_scale);
             let brightness = pilot.clone();

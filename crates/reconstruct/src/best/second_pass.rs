@@ -50,11 +50,12 @@ pub fn second_pass(
         noise,
         ridge: Ridge { least: settings.ridge, per_noise: settings.ridge_noise },
         stride: settings.stride,
+        covered: settings.covered,
     };
     let mut kernels = BANDWIDTHS.map(|bandwidth| Kernel { bandwidth, sigma: f32::INFINITY }).to_vec();
     kernels.push(Kernel { bandwidth: SMALL_BANDWIDTH, sigma: settings.small_sigma });
     kernels.push(Kernel { bandwidth: TINY_BANDWIDTH, sigma: settings.tiny_sigma });
-    monitor.begin("second pass", units(size, settings.stride));
+    monitor.begin("second pass", units(size, settings.stride, settings.covered));
     let predicted = collaborate(&fitted, &guides, &kernels, monitor)?;
     Ok(predicted.into_iter().map(|planes| halves_of(size, planes)).collect())
 }

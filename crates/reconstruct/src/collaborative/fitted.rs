@@ -66,6 +66,8 @@ pub struct Fitted<'a> {
     pub ridge: Ridge,
     /// Distance between the pixels that carry a fit.
     pub stride: usize,
+    /// A pixel on which the fits around it weigh less than this gets one of its own; a fit at the pixel itself weighs 1.
+    pub covered: f32,
 }
 
 /// The ridge λ = `least` + `per_noise` · Σ k² ν/(Σ w)², added to the variance of every feature: the fewer and noisier

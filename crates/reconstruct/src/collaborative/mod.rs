@@ -5,7 +5,6 @@
 //! uncovered.
 
 mod distances;
-mod eight;
 mod fitted;
 mod moments;
 mod pairs;
@@ -39,9 +38,6 @@ const SMALL_TILE: usize = 16;
 /// Tiles per thread whose sums are held before they are added to the picture, in order.
 const WAVE: usize = 4;
 
-/// A pixel on which fits weigh less than one at the pixel itself would gets a fit of its own.
-const COVERED: f32 = 1.0;
-
 /// What is predicted with one kernel: for each guide, one plane per response.
 pub type Predicted = Vec<Vec<Vec<f32>>>;
 
@@ -71,8 +67,8 @@ pub fn collaborate(
     let stride = fitted.stride;
     let on_lattice = |x: usize, y: usize| x % stride == stride / 2 && y % stride == stride / 2;
     work.run(&mut sums, &tiles_of(guides.size, FITS * stride), |_, x, y| on_lattice(x, y))?;
-    if stride > 1 {
-        let bare: Vec<Vec<bool>> = sums.iter().map(|sums| sums.lighter_than(COVERED)).collect();
+    if stride > 1 && fitted.covered > 0.0 {
+        let bare: Vec<Vec<bool>> = sums.iter().map(|sums| sums.lighter_than(fitted.covered)).collect();
         let is_bare = |candidate: usize, x: usize, y: usize| bare[candidate][guides.size.index(x, y)];
         work.run(&mut sums, &tiles_of(guides.size, SMALL_TILE), is_bare)?;
     }
@@ -81,9 +77,9 @@ pub fn collaborate(
 }
 
 /// How many units [`collaborate`] reports.
-pub fn units(size: Size, stride: usize) -> u64 {
+pub fn units(size: Size, stride: usize, covered: f32) -> u64 {
     let tiles = |side: usize| tiles_of(size, side).len() as u64;
-    tiles(FITS * stride) + if stride > 1 { tiles(SMALL_TILE) } else { 0 }
+    tiles(FITS * stride) + if stride > 1 && covered > 0.0 { tiles(SMALL_TILE) } else { 0 }
 }
 
 /// Everything a sweep over tiles needs.

@@ -4,8 +4,8 @@ use std::ops::Range;
 
 use pulp::Simd;
 
-use super::eight::{Eight, LANES, sum_of_lanes};
 use super::row::{FEATURES, Row, WIDTH};
+use crate::eight::{Eight, LANES, sum_of_lanes};
 
 /// Pixels that are worked on together: their numbers stay in the innermost cache.
 const CHUNK: usize = 128;

@@ -3,9 +3,9 @@
 
 use pulp::Simd;
 
-use super::eight::{Eight, LANES};
 use super::fitted::Guides;
 use super::region::Region;
+use crate::eight::{Eight, LANES};
 use crate::rectangle::Rectangle;
 
 /// Distances of single pixels (eq. 10, summed over channels) for one offset, row by row of a rectangle.

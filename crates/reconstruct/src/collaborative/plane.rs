@@ -2,9 +2,9 @@
 
 use pulp::Simd;
 
-use super::eight::{Eight, LANES};
 use super::moments::Moments;
 use super::row::{FEATURES, RESPONSES};
+use crate::eight::{Eight, LANES};
 
 /// Responses, padded to what processors take at once.
 pub const PADDED: usize = 8;

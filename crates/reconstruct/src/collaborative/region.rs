@@ -2,7 +2,7 @@
 
 use stack::Size;
 
-use super::eight::LANES;
+use crate::eight::LANES;
 use crate::rectangle::Rectangle;
 
 /// Copies of some planes within a margin around a tile; zeros where that lies outside the image. Reading up to seven

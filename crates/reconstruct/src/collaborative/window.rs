@@ -1,8 +1,8 @@
 //! The pixels of a window, and what they weigh in its fit.
 
-use super::eight::LANES;
 use super::region::Region;
 use super::row::{FEATURES, WIDTH};
+use crate::eight::{LANES, sum_of_lanes};
 use crate::exp::exp_of_negative;
 
 /// Pixels of less weight have no say in a fit, nor it in them.
@@ -82,7 +82,7 @@ impl Window {
                 sums[i] += kernel[i] * kernel[i] * noise[i];
             }
         }
-        super::eight::sum_of_lanes(&sums)
+        sum_of_lanes(&sums)
     }
 }
 

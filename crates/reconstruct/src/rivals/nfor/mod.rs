@@ -86,7 +86,7 @@ fn denoised(
     let selected = select(&candidates, colour, monitor)?;
     let (mean, spread) = combined(&selected.halves);
     let set = final_features(features, monitor)?;
-    monitor.begin("second pass", units(mean.size(), settings.stride));
+    monitor.begin("second pass", units(mean.size(), settings.stride, 1.0));
     let picture =
         regression(&set, &mean, (&mean, &spread), &[FINAL_BANDWIDTH], settings, monitor)?.pop().unwrap_or(mean);
     Ok((without_negative_values(picture), selected.mse))
@@ -100,7 +100,7 @@ fn first_pass(
     monitor: &dyn Monitor,
 ) -> Result<Vec<Candidate>, Cancelled> {
     let ColourHalves { halves: [a, b], variance } = colour;
-    monitor.begin("first pass", 2 * units(a.size(), settings.stride));
+    monitor.begin("first pass", 2 * units(a.size(), settings.stride, 1.0));
     let of_a = regression(&features.filtered[1], a, (b, variance), &BANDWIDTHS, settings, monitor)?;
     let of_b = regression(&features.filtered[0], b, (a, variance), &BANDWIDTHS, settings, monitor)?;
     Ok(of_a.into_iter().zip(of_b).map(|(a, b)| Candidate { halves: [a, b] }).collect())
@@ -125,6 +125,7 @@ fn regression(
         noise: &vec![0.0; size.pixels()],
         ridge: Ridge { least: settings.ridge, per_noise: 0.0 },
         stride: settings.stride,
+        covered: 1.0,
     };
     let guides = Guides {
         size,

@@ -1,5 +1,7 @@
 //! A noisy picture's candidates and what the picture should have been.
 
+use std::borrow::Cow;
+
 use stack::{ComponentRole, FeatureStack, Image, Monitor};
 
 use super::slope::{errors_of_rule, norm_of};
@@ -65,7 +67,7 @@ impl Example {
         let layer = ComponentRole::Scattered.layer();
         let component = stack.component(ComponentRole::Scattered).ok_or(ReconstructError::NoiseUnknown { layer })?;
         let features = guide_features(stack, &settings.features, monitor)?;
-        let prepared = Prepared::new(stack, component, &features, settings, monitor)?;
+        let prepared = Prepared::new(stack, Cow::Borrowed(component), &features, settings, monitor)?;
         let kernel = prepared.kernel(&features, &settings.choice);
         let contest = prepared.contest(&features, &kernel);
         let inputs = Inputs::new(&contest, &settings.choice);
