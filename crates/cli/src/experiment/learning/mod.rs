@@ -26,7 +26,7 @@ use training_set::training_set;
 
 /// How the network is trained, but for window and seed.
 const TRAINING: TrainingSettings =
-    TrainingSettings { radius: 10, epochs: 40, rows: 96, rate: 0.01, decay: 0.01, seed: 0 };
+    TrainingSettings { radius: 10, epochs: 16, rows: 96, rate: 0.01, decay: 0.01, seed: 0 };
 
 /// Runs the experiment; writes the weights to `weights.txt` in its folder.
 pub fn run(args: &ExperimentArgs, progress: &Progress) -> Result<Vec<Table>> {
@@ -34,7 +34,7 @@ pub fn run(args: &ExperimentArgs, progress: &Progress) -> Result<Vec<Table>> {
     let examples = training_set(args, progress)?;
     let radius = settings.reconstruction.lbf.radius;
     let fixed = best_fixed(&examples, radius, progress)?;
-    let training = TrainingSettings { radius, seed: settings.trace.seed, ..tuned() };
+    let training = TrainingSettings { radius, seed: settings.trace.seed, ..TRAINING };
     let network = train(&examples, fixed, &training, progress)?;
     let path = args.output.join("weights.txt");
     std::fs::write(&path, network.to_text()).with_context(|| format!("{}: cannot write", path.display()))?;
@@ -43,17 +43,6 @@ pub fn run(args: &ExperimentArgs, progress: &Progress) -> Result<Vec<Table>> {
         .map(|case| Judged::of(case, fixed, &network, &settings, args, progress))
         .collect::<Result<_>>()?;
     Ok(vec![error_table(&judged, fixed)])
-}
-
-fn tuned() -> TrainingSettings {
-    let v = |n: &str, d: f64| std::env::var(n).ok().and_then(|v| v.parse().ok()).unwrap_or(d);
-    TrainingSettings {
-        epochs: v("EPOCHS", 40.0) as usize,
-        rows: v("ROWS", 96.0) as usize,
-        rate: v("RATE", 0.01),
-        decay: v("DECAY", 0.01),
-        ..TRAINING
-    }
 }
 
 /// Errors of one picture that was held out.

@@ -14,7 +14,7 @@ use crate::progress::Progress;
 use crate::render::Budget;
 
 /// Variations of each scene.
-const VARIATIONS: u64 = 6;
+const VARIATIONS: u64 = 8;
 
 /// Renders every variation of our scenes at every number of samples.
 ///

@@ -86,6 +86,12 @@ fn material_table(material: &Material, numbers: &mut Numbers) -> String {
     }
     let mut any = || 0.5 + 0.5 * numbers.symmetric() as f32;
     let (bright, colour) = (0.15 + 0.75 * any(), Vec3::new(any(), any(), any()));
+    if any() < 0.25 {
+        // Reflections are detail that no feature knows of: the network has to see them.
+        let (base, roughness) = ((bright * (0.4 + 0.6 * colour)).to_array(), 0.05 + 0.35 * any());
+        let _ = write!(text, "metallic = 1.0\nbase_color = {base:?}\nroughness = {roughness:?}\n\n");
+        return text;
+    }
     let (changes, roughness, is_coated) = ([any(), any()], 0.15 + 0.6 * any(), any() < 0.15);
     if changes[0] < 0.6 {
         let _ = writeln!(text, "base_color = {:?}", (bright * (0.4 + 0.6 * colour)).to_array());

@@ -8,12 +8,13 @@ use crate::rivals::lbf::filter::{FilteredRow, RowFilter, RowGradient};
 use crate::rivals::lbf::kernel::Bandwidths;
 use crate::rivals::lbf::network::{Network, PARAMETERS};
 
-/// ε of the relative error (the paper's equation 5).
-const EPSILON: f32 = 0.01;
+/// ε of the relative error (the paper's equation 5, where it is 0.01): that of `metrics`, so that dark pixels count as much
+/// in training as they do when pictures are judged.
+const EPSILON: f32 = 0.001;
 
 /// Rows of some examples.
 #[derive(Clone, Copy, Debug)]
-pub struct Batch<'a> {
+pub(super) struct Batch<'a> {
     pub(super) examples: &'a [Example],
     /// Numbers of example and row.
     pub(super) rows: &'a [(usize, usize)],
@@ -23,11 +24,11 @@ pub struct Batch<'a> {
 
 /// Mean error and its derivatives.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Slope {
+pub(super) struct Slope {
     /// Mean over pixels and channels of ½ (ĉ − c)²/(c² + ε).
-    pub error: f64,
+    pub(super) error: f64,
     /// Its derivative by each parameter.
-    pub gradient: Vec<f64>,
+    pub(super) gradient: Vec<f64>,
 }
 
 impl Batch<'_> {

@@ -12,7 +12,7 @@ use super::secondary::{INPUTS, Inputs};
 use crate::network::{Adam, Numbers};
 pub use example::Example;
 pub use fixed::best_fixed;
-pub use gradient::{Batch, Slope};
+use gradient::Batch;
 
 /// How the network is trained.
 #[derive(Clone, Copy, Debug, PartialEq)]
