@@ -82,9 +82,7 @@ fn ours(stack: &FeatureStack, settings: &Settings, monitor: &dyn Monitor) -> Res
                 rebuilt(stack, component, &features, settings, monitor)
             })
         }
-        Fit::Collaborative => {
-            reconstruct_with_chooser(stack, settings, chooser(settings)?.as_ref(), monitor)
-        }
+        Fit::Collaborative => reconstruct_with_chooser(stack, settings, chooser(settings)?.as_ref(), monitor),
     }
 }
 
@@ -117,7 +115,11 @@ struct Collaborative<'a> {
 }
 
 impl Collaborative<'_> {
-    fn rebuilt(&self, component: Cow<'_, Component>, monitor: &dyn Monitor) -> Result<Reconstruction, ReconstructError> {
+    fn rebuilt(
+        &self,
+        component: Cow<'_, Component>,
+        monitor: &dyn Monitor,
+    ) -> Result<Reconstruction, ReconstructError> {
         let Self { stack, features, settings, chooser } = *self;
         if component.role == ComponentRole::Scattered {
             return best::rebuild(stack, component, features, &settings.best, chooser, monitor);

@@ -44,12 +44,7 @@ impl<'t> WeightsReader<'t> {
     ///
     /// # Errors
     /// When they have another head.
-    pub fn new(
-        text: &'t str,
-        network: &'static str,
-        command: &'static str,
-        head: &str,
-    ) -> Result<Self, WeightsError> {
+    pub fn new(text: &'t str, network: &'static str, command: &'static str, head: &str) -> Result<Self, WeightsError> {
         let mut reader = Self { network, command, lines: text.lines().enumerate().collect(), next: 0 };
         let (line, found) = reader.take(head)?;
         if found == head { Ok(reader) } else { Err(reader.refuse(line, head, found.into())) }

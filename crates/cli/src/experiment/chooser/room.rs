@@ -109,7 +109,10 @@ impl Room {
             let step = [across * 2.0 / tiles as f32, along * 2.0 / tiles as f32];
             for (i, j) in (0..tiles).flat_map(|i| (0..tiles).map(move |j| (i, j))) {
                 let corner = corner + step[0] * i as f32 + step[1] * j as f32;
-                self.quad(materials[(i + j) % 2], [corner, corner + step[0], corner + step[0] + step[1], corner + step[1]]);
+                self.quad(
+                    materials[(i + j) % 2],
+                    [corner, corner + step[0], corner + step[0] + step[1], corner + step[1]],
+                );
             }
         }
     }
@@ -155,7 +158,8 @@ impl Room {
             let [polar, azimuth] = [down, around].map(|share| share * std::f32::consts::PI);
             let normal = Vec3::new(polar.sin() * azimuth.cos(), polar.cos(), polar.sin() * azimuth.sin());
             let place = centre + radius * normal;
-            let _ = writeln!(self.obj, "v {} {} {}\nvn {} {} {}", place.x, place.y, place.z, normal.x, normal.y, normal.z);
+            let _ =
+                writeln!(self.obj, "v {} {} {}\nvn {} {} {}", place.x, place.y, place.z, normal.x, normal.y, normal.z);
         }
         (self.vertices, self.normals) = (self.vertices + (DOWN + 1) * AROUND, self.normals + (DOWN + 1) * AROUND);
         let _ = writeln!(self.obj, "usemtl m{material}");

@@ -35,11 +35,7 @@ pub struct TrainingSettings {
 ///
 /// # Errors
 /// When `monitor` cancels.
-pub fn train(
-    examples: &[Example],
-    settings: &TrainingSettings,
-    monitor: &dyn Monitor,
-) -> Result<Chooser, Cancelled> {
+pub fn train(examples: &[Example], settings: &TrainingSettings, monitor: &dyn Monitor) -> Result<Chooser, Cancelled> {
     let mut chooser = start(examples, settings.seed);
     let mut adam = Adam::new(PARAMETERS);
     monitor.begin("training", settings.steps as u64);
