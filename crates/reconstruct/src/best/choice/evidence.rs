@@ -83,6 +83,7 @@ impl Evidence {
         for dilation in dilations {
             let finer = levels.last().map_or(&planes, |level| &level.planes);
             levels.push(Level { planes: contest.kernel.smooth(finer, *dilation) });
+            planes = Vec::new();
         }
         Self { levels }
     }
