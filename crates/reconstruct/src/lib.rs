@@ -13,8 +13,10 @@ mod components;
 mod eight;
 mod emission;
 pub mod exp;
+pub mod ln;
 mod method;
 pub mod metrics;
+pub mod network;
 pub mod nl_means;
 mod paper;
 pub mod patch_distance;
@@ -32,6 +34,6 @@ mod test_noise;
 pub mod variance;
 
 pub use method::{Fit, Method, MethodSettings};
-pub use pipeline::{reconstruct, reconstruct_freeing};
+pub use pipeline::{reconstruct, reconstruct_freeing, reconstruct_with_chooser};
 pub use reconstruction::{ReconstructError, Reconstruction};
 pub use settings::Settings;

@@ -4,10 +4,11 @@ use std::borrow::Cow;
 
 use stack::{Component, ComponentRole, Estimate, FeatureStack, Image, Monitor, Noise};
 
-use crate::best::GuideFeatures;
+use crate::best::{Chooser, GuideFeatures};
 use crate::components::{is_lit, sum_of_components, variance_of};
 use crate::emission::{rebuild_emission, with_emission_apart};
 use crate::method::{Fit, Method, MethodSettings};
+use crate::network::WeightsError;
 use crate::prefilter::{FeatureSet, prefilter};
 use crate::reconstruction::{ReconstructError, Reconstruction};
 use crate::rivals::Rival;
@@ -52,11 +53,13 @@ pub fn reconstruct_freeing(
     let features = best::guide_features(stack, &settings.best.features, monitor)?;
     stack.features.iter_mut().for_each(|feature| feature.estimate.noise = Noise::Unknown);
     let mut components = with_noise_of(&mut stack.components);
+    let chooser = chooser(settings)?;
+    let task = Collaborative { stack, features: &features, settings, chooser: chooser.as_ref() };
     let mut sum = Reconstruction::plain(Image::zeros(stack.size(), 3));
     // The last first: emission is soon done with.
     while let Some(component) = components.pop() {
         if is_lit(&component) {
-            sum.add(collaborative(stack, Cow::Owned(component), &features, settings, monitor)?);
+            sum.add(task.rebuilt(Cow::Owned(component), monitor)?);
         }
     }
     Ok(sum)
@@ -79,29 +82,53 @@ fn ours(stack: &FeatureStack, settings: &Settings, monitor: &dyn Monitor) -> Res
                 rebuilt(stack, component, &features, settings, monitor)
             })
         }
-        Fit::Collaborative => {
-            let features = best::guide_features(stack, &settings.best.features, monitor)?;
-            sum_of_components(stack.size(), &stack.components, |component| {
-                collaborative(stack, Cow::Borrowed(component), &features, settings, monitor)
-            })
-        }
+        Fit::Collaborative => reconstruct_with_chooser(stack, settings, chooser(settings)?.as_ref(), monitor),
     }
 }
 
-fn collaborative(
+/// Reconstructs the picture of `stack` by collaborative fits; the `chooser` helps to mix their candidates.
+///
+/// # Errors
+/// As [`reconstruct`].
+pub fn reconstruct_with_chooser(
     stack: &FeatureStack,
-    component: Cow<'_, Component>,
-    features: &GuideFeatures,
     settings: &Settings,
+    chooser: Option<&Chooser>,
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
-    if component.role == ComponentRole::Scattered {
-        return best::rebuild(stack, component, features, &settings.best, monitor);
+    let features = best::guide_features(stack, &settings.best.features, monitor)?;
+    let task = Collaborative { stack, features: &features, settings, chooser };
+    sum_of_components(stack.size(), &stack.components, |component| task.rebuilt(Cow::Borrowed(component), monitor))
+}
+
+/// What the network says that comes along, where it is asked.
+fn chooser(settings: &Settings) -> Result<Option<Chooser>, WeightsError> {
+    settings.best.choice.learned.then(best::trained).transpose()
+}
+
+/// What collaborative fits need to rebuild a component.
+struct Collaborative<'a> {
+    stack: &'a FeatureStack,
+    features: &'a GuideFeatures,
+    settings: &'a Settings,
+    chooser: Option<&'a Chooser>,
+}
+
+impl Collaborative<'_> {
+    fn rebuilt(
+        &self,
+        component: Cow<'_, Component>,
+        monitor: &dyn Monitor,
+    ) -> Result<Reconstruction, ReconstructError> {
+        let Self { stack, features, settings, chooser } = *self;
+        if component.role == ComponentRole::Scattered {
+            return best::rebuild(stack, component, features, &settings.best, chooser, monitor);
+        }
+        let (radiance, variance) = (&component.radiance.mean, variance_of(stack, &component)?);
+        let mut rebuilt = rebuild_emission(radiance, &variance, &features.set, settings, monitor)?;
+        best::share_unseen(&mut rebuilt.mse, &variance);
+        Ok(rebuilt)
     }
-    let (radiance, variance) = (&component.radiance.mean, variance_of(stack, &component)?);
-    let mut rebuilt = rebuild_emission(radiance, &variance, &features.set, settings, monitor)?;
-    best::share_unseen(&mut rebuilt.mse, &variance);
-    Ok(rebuilt)
 }
 
 /// The mean of the samples, with its variance as error.

@@ -2,8 +2,8 @@
 
 use stack::{Cancelled, Fault, Image};
 
+use crate::network::WeightsError;
 use crate::prefilter::PrefilterError;
-use crate::rivals::lbf::WeightsError;
 
 /// A reconstructed picture and what is known about it, one value per pixel and plane. What a method does not have is
 /// `None`.
@@ -70,7 +70,7 @@ pub enum ReconstructError {
     /// The features cannot be used.
     #[error(transparent)]
     Prefilter(#[from] PrefilterError),
-    /// The weights of the learning-based filter cannot be used.
+    /// The weights of a network cannot be used.
     #[error(transparent)]
     Weights(#[from] WeightsError),
 }

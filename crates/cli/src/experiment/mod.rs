@@ -2,6 +2,7 @@
 
 mod calibration;
 mod case;
+mod chooser;
 mod errormap;
 mod figures;
 mod fireflies;
@@ -49,11 +50,15 @@ pub enum Experiment {
     /// weights, and judges them beside the best fixed filter on pictures held out. The seed is --set seed=N. Inputs:
     /// scenes, or folders as for stages, to judge on; without any, scenes/*.toml as they are.
     Lbf,
+    /// Trains the network that helps preset best to mix candidates on variations of scenes/*.toml of this project, writes
+    /// its weights, and judges them beside the rule without it on pictures held out. The seed is --set seed=N. Inputs: as
+    /// for lbf.
+    Chooser,
 }
 
 impl Experiment {
     const fn needs_inputs(self) -> bool {
-        !matches!(self, Self::Fireflies | Self::Figures | Self::Lbf)
+        !matches!(self, Self::Fireflies | Self::Figures | Self::Lbf | Self::Chooser)
     }
 }
 
@@ -76,6 +81,7 @@ pub fn run(args: &ExperimentArgs) -> Result<Verdict> {
         Experiment::Figures => figures::run(args, &progress)?,
         Experiment::Fireflies => fireflies::run(&progress)?,
         Experiment::Lbf => learning::run(args, &progress)?,
+        Experiment::Chooser => chooser::run(args, &progress)?,
     };
     progress.finish();
     let name = args.name.to_possible_value().map_or_else(String::new, |value| value.get_name().to_string());

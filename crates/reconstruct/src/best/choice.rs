@@ -1,61 +1,124 @@
-//! Candidates mixed by how well each predicts the half it was not made from.
+//! Candidates mixed by how well each predicts the half it was not made from, and by a small network that has learned what
+//! such errors are worth.
+//!
+//! Errors between halves (`evidence`) are unbiased and noisy: a rule that follows the least of them follows noise. What
+//! else is known about a pixel (`inputs`, `detail`) tells how much to trust them; the network (`chooser`) adds that to the
+//! rule's score. Its weights are trained (`training`) on renders whose references are known, and come along (`weights`).
 
+mod chooser;
+mod detail;
+mod evidence;
+mod inputs;
+pub mod training;
+mod weights;
+
+use rayon::prelude::*;
 use stack::Image;
 
+use super::features::GuideFeatures;
 use super::guided_kernel::GuidedKernel;
 use super::settings::ChoiceSettings;
 use super::split::Layers;
 use crate::box_filter::box_mean;
+pub use chooser::Chooser;
+use chooser::softmax;
+pub use evidence::CANDIDATES;
+use evidence::{Evidence, Scales};
+use inputs::{Inputs, LANES, Lanes, rule_scores};
+pub use weights::trained;
 
-/// Least error that the softness is relative to.
-const LEAST_ERROR: f32 = 1e-5;
+/// Radius of the box that smooths weights, in pixels.
+const WEIGHT_RADIUS: usize = 2;
 
-/// Both halves of the mixture of `candidates` (both halves of each), whose errors `kernel` smooths.
-pub fn choose(
-    candidates: &[[Image; 2]],
-    layers: &Layers,
-    kernel: &GuidedKernel,
-    settings: &ChoiceSettings,
-) -> [Image; 2] {
-    let size = layers.variance.size();
-    let precision = precisions(candidates, layers, settings);
-    let errors: Vec<Vec<f32>> = candidates.iter().map(|halves| cross_errors(halves, layers, &precision)).collect();
-    let errors = kernel.smooth(&kernel.smooth(&errors, 1), 2);
-    let weights: Vec<Vec<f32>> =
-        soft_minimum(&errors, settings.softness).iter().map(|plane| box_mean(plane, size, 2)).collect();
-    [0, 1].map(|half: usize| mixture(candidates, &weights, half))
+/// What there is to choose from, and what it is judged by.
+#[derive(Clone, Copy)]
+pub struct Contest<'a> {
+    /// Both halves of every candidate, in the order the network was trained with.
+    pub candidates: &'a [[Image; 2]],
+    /// The noisy halves and their variance.
+    pub layers: &'a Layers,
+    /// Smooths errors.
+    pub kernel: &'a GuidedKernel,
+    /// The picture that guided the candidates.
+    pub pilot: &'a Image,
+    /// Features.
+    pub features: &'a GuideFeatures,
 }
 
-/// What a squared error counts at each pixel: n/(1 + 3 n v), n = 1/(luminance² + 0.01) with the mean luminance of all
-/// candidates, v the variance of a half.
-fn precisions(candidates: &[[Image; 2]], layers: &Layers, settings: &ChoiceSettings) -> Vec<f32> {
-    let images: Vec<&Image> = candidates.iter().flatten().collect();
-    let precision = |pixel: usize| {
-        let luminance = images.iter().map(|image| image.mean_at(pixel)).sum::<f32>() / images.len() as f32;
-        let relative = 1.0 / (luminance * luminance + 1e-2);
-        relative / (1.0 + settings.precision * relative * layers.variance.mean_at(pixel))
+/// Both halves of the mixture of the candidates, by the rule or, where there is one, by the rule and the `chooser`.
+///
+/// # Panics
+/// When there are not [`CANDIDATES`] of them: that is a mistake in the calling code.
+pub fn choose(contest: &Contest, settings: &ChoiceSettings, chooser: Option<&Chooser>) -> [Image; 2] {
+    assert_eq!(contest.candidates.len(), CANDIDATES, "the network knows these candidates");
+    let weights = match chooser {
+        Some(chooser) => weigh(contest, &Learned { inputs: &Inputs::new(contest, settings), chooser }),
+        None => weigh(contest, &Rule { evidence: &Evidence::new(contest, settings, Scales::OfTheRule), settings }),
     };
-    (0..layers.variance.pixels()).map(precision).collect()
+    let size = contest.pilot.size();
+    let weights: Vec<Vec<f32>> = weights.par_iter().map(|plane| box_mean(plane, size, WEIGHT_RADIUS)).collect();
+    [0, 1].map(|half: usize| mixture(contest.candidates, &weights, half))
 }
 
-/// Cross-half error of every pixel, times `precision`.
-fn cross_errors(halves: &[Image; 2], layers: &Layers, precision: &[f32]) -> Vec<f32> {
-    precision.iter().enumerate().map(|(pixel, precision)| layers.cross_error(halves, pixel) * precision).collect()
+/// What gives candidates their weights.
+trait Judge: Sync {
+    /// What each candidate weighs at these pixels; together 1.
+    fn weights(&self, pixels: &[usize; LANES]) -> [Lanes; CANDIDATES];
 }
 
-/// Weights that fall with the error relative to the least one; they add up to 1 at every pixel.
-fn soft_minimum(errors: &[Vec<f32>], softness: f32) -> Vec<Vec<f32>> {
-    let mut weights = vec![vec![0.0; errors[0].len()]; errors.len()];
-    for pixel in 0..errors[0].len() {
-        let least = errors.iter().map(|plane| plane[pixel]).fold(f32::INFINITY, f32::min);
-        let scale = softness * least.max(LEAST_ERROR);
-        let weight = |plane: &Vec<f32>| (-(plane[pixel] - least) / scale).exp();
-        let total: f32 = errors.iter().map(weight).sum();
-        for (to, plane) in weights.iter_mut().zip(errors) {
-            to[pixel] = weight(plane) / total;
-        }
+/// Errors alone.
+struct Rule<'a> {
+    evidence: &'a Evidence,
+    settings: &'a ChoiceSettings,
+}
+
+impl Judge for Rule<'_> {
+    #[inline(always)]
+    fn weights(&self, pixels: &[usize; LANES]) -> [Lanes; CANDIDATES] {
+        softmax(rule_scores(self.evidence.level_of_rule(), pixels, self.settings))
     }
-    weights
+}
+
+/// Errors and the network.
+struct Learned<'a> {
+    inputs: &'a Inputs<'a>,
+    chooser: &'a Chooser,
+}
+
+impl Judge for Learned<'_> {
+    #[inline(always)]
+    fn weights(&self, pixels: &[usize; LANES]) -> [Lanes; CANDIDATES] {
+        self.chooser.weights(&self.inputs.block(pixels))
+    }
+}
+
+/// A plane of weights for every candidate.
+fn weigh(contest: &Contest, judge: &impl Judge) -> Vec<Vec<f32>> {
+    let pixels = contest.pilot.pixels();
+    let blocks: Vec<[Lanes; CANDIDATES]> = (0..pixels.div_ceil(LANES))
+        .into_par_iter()
+        .map(|block| {
+            let pixels = std::array::from_fn(|lane| (block * LANES + lane).min(pixels - 1));
+            pulp::Arch::new().dispatch(BlockTask { pixels, judge })
+        })
+        .collect();
+    let plane = |k: usize| blocks.iter().flat_map(|block| block[k]).take(pixels).collect();
+    (0..CANDIDATES).map(plane).collect()
+}
+
+/// Some pixels, weighed with the widest instructions there are.
+struct BlockTask<'a, J> {
+    pixels: [usize; LANES],
+    judge: &'a J,
+}
+
+impl<J: Judge> pulp::NullaryFnOnce for BlockTask<'_, J> {
+    type Output = [Lanes; CANDIDATES];
+
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        self.judge.weights(&self.pixels)
+    }
 }
 
 /// One half of all `candidates`, added up with their `weights`.

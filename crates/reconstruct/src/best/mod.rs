@@ -1,10 +1,10 @@
 //! The project's own method: light split into a low layer and events, rebuilt in two passes of collaborative
-//! regression, each pixel by the candidate that predicts the other half best.
+//! regression, each pixel by the candidates that predict the other half best.
 //!
 //! Steps, one file each: what exceeds its surroundings goes to a sparse layer (`split`); features are freed of noise
 //! (`features`); a first regression guided by the other half (`first_pass`); the sparse layer is spread over pixels
 //! that resemble its own (`spread`); what the residual still holds is added (`cascade`), which makes a pilot picture; a
-//! second regression is guided by the pilot (`second_pass`); and the candidates are mixed by their error (`choice`).
+//! second regression is guided by the pilot (`second_pass`); and the candidates are mixed by their error and a small network (`choice`).
 
 mod cascade;
 mod choice;
@@ -24,16 +24,19 @@ mod test_scene;
 
 use std::borrow::Cow;
 
-use stack::{Component, FeatureStack, Monitor};
+use stack::{Component, FeatureStack, Image, Monitor};
 
 use self::cascade::{Parts, add_significant_residual};
+use self::choice::Contest;
 use self::given::Given;
 use self::guided_kernel::GuidedKernel;
 use self::halves::{luminance, mean_of, sum_of};
 use self::restore::restore_energy;
+use self::split::Layers;
 use crate::box_filter::box_mean;
 use crate::reconstruction::{ReconstructError, Reconstruction};
 
+pub use choice::{Chooser, trained, training};
 pub use error::share_unseen;
 pub use features::{GuideFeatures, guide_features};
 pub use settings::{BestSettings, FitSettings};
@@ -42,7 +45,8 @@ use settings::{ChoiceSettings, RestoreSettings};
 /// Groups that buckets are put together in for the cascade: fewer are less work and say less about the variance.
 const CASCADE_GROUPS: usize = 4;
 
-/// Rebuilds the scattered light `component` of `stack`. One that it owns is freed as soon as nothing needs it.
+/// Rebuilds the scattered light `component` of `stack`; the `chooser` helps to mix its candidates. A component that
+/// it owns is freed as soon as nothing needs it.
 ///
 /// # Errors
 /// When its noise does not come in buckets, or `monitor` cancels.
@@ -51,54 +55,91 @@ pub fn rebuild(
     component: Cow<'_, Component>,
     features: &GuideFeatures,
     settings: &BestSettings,
+    chooser: Option<&Chooser>,
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
-    monitor.begin("spikes", 1);
-    let layers = split::split(&component, &stack.samples, &settings.split)?;
-    let groups = component.radiance.groups(&stack.samples, CASCADE_GROUPS);
-    drop(component);
-    let noise = relative_noise(&layers);
-    let samples = share_of_samples(&stack.samples.total, &settings.regression);
-    let given = Given { layers: &layers, noise: &noise, samples: samples.as_deref(), features };
-    let first = first_pass::first_pass(&given, &settings.regression, monitor)?;
-    monitor.begin("spread", 1);
-    let mut pilot = mean_of(&first);
-    let events = spread::spread(&layers.events, &pilot, features, &settings.spread);
-    let spread = spread::steadied(events.halves, &pilot, features, &settings.spread, monitor)?;
-    pilot.add(&spread);
-    if let Some(groups) = groups {
-        let parts = Parts::new(groups, &stack.samples);
-        let kernel = GuidedKernel::surfaces(features, settings.cascade.feature_scale);
-        let brightness = pilot.clone();
-        add_significant_residual(&mut pilot, parts, &brightness, &kernel, &settings.cascade, monitor)?;
-    }
-    let mut candidates = Vec::new();
-    if settings.regression.passes > 1 {
-        candidates = second_pass::second_pass(&given, &pilot, &first, &settings.regression, monitor)?;
-    }
-    candidates.insert(0, first);
-    let ChoiceSettings { feature_scale, brightness, .. } = settings.choice;
-    let kernel = GuidedKernel::surfaces_and_brightness(features, &pilot, feature_scale, brightness);
-    drop(pilot);
+    let prepared = Prepared::new(stack, component, features, settings, monitor)?;
     monitor.begin("choice", 1);
-    let halves = match <[_; 1]>::try_from(candidates) {
-        Ok([only]) => only,
-        Err(candidates) => choice::choose(&candidates, &layers, &kernel, &settings.choice),
+    let kernel = prepared.kernel(features, &settings.choice);
+    let halves = match prepared.candidates.as_slice() {
+        [only] => only.clone(),
+        _ => choice::choose(&prepared.contest(features, &kernel), &settings.choice, chooser),
     };
     let mut picture = mean_of(&halves);
     if settings.restore.levels > 0 {
         let RestoreSettings { feature_scale, brightness, .. } = settings.restore;
         let kernel = GuidedKernel::surfaces_and_brightness(features, &picture, feature_scale, brightness);
-        restore_energy(&mut picture, &mean_of(&layers.halves), &kernel, &settings.restore);
+        restore_energy(&mut picture, &mean_of(&prepared.layers.halves), &kernel, &settings.restore);
     }
-    picture.add(&spread);
+    picture.add(&prepared.spread);
     picture.channels_mut().iter_mut().flatten().for_each(|v| *v = v.max(0.0));
+    let events = &prepared.layers.events;
     Ok(Reconstruction {
-        mse: error::estimated_error(&halves, &events.variance, &picture, &kernel, &settings.error),
-        spikes: Some(sum_of(&layers.events.light)),
-        marked: layers.events.energy.iter().filter(|e| **e > 0.0).count(),
+        mse: error::estimated_error(&halves, &prepared.event_variance, &picture, &kernel, &settings.error),
+        spikes: Some(sum_of(&events.light)),
+        marked: events.energy.iter().filter(|e| **e > 0.0).count(),
         ..Reconstruction::plain(picture)
     })
+}
+
+/// Everything up to the choice.
+pub(crate) struct Prepared {
+    layers: Layers,
+    /// Spread events.
+    spread: Image,
+    event_variance: Vec<f32>,
+    /// What guided the second pass.
+    pilot: Image,
+    /// The first pass, then those of the second where there is one.
+    candidates: Vec<[Image; 2]>,
+}
+
+impl Prepared {
+    /// All steps up to the choice.
+    fn new(
+        stack: &FeatureStack,
+        component: Cow<'_, Component>,
+        features: &GuideFeatures,
+        settings: &BestSettings,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, ReconstructError> {
+        monitor.begin("spikes", 1);
+        let layers = split::split(&component, &stack.samples, &settings.split)?;
+        let groups = component.radiance.groups(&stack.samples, CASCADE_GROUPS);
+        drop(component);
+        let noise = relative_noise(&layers);
+        let samples = share_of_samples(&stack.samples.total, &settings.regression);
+        let given = Given { layers: &layers, noise: &noise, samples: samples.as_deref(), features };
+        let first = first_pass::first_pass(&given, &settings.regression, monitor)?;
+        monitor.begin("spread", 1);
+        let mut pilot = mean_of(&first);
+        let events = spread::spread(&layers.events, &pilot, features, &settings.spread);
+        let spread = spread::steadied(events.halves, &pilot, features, &settings.spread, monitor)?;
+        pilot.add(&spread);
+        if let Some(groups) = groups {
+            let parts = Parts::new(groups, &stack.samples);
+            let kernel = GuidedKernel::surfaces(features, settings.cascade.feature_scale);
+            let brightness = pilot.clone();
+            add_significant_residual(&mut pilot, parts, &brightness, &kernel, &settings.cascade, monitor)?;
+        }
+        let mut candidates = Vec::new();
+        if settings.regression.passes > 1 {
+            candidates = second_pass::second_pass(&given, &pilot, &first, &settings.regression, monitor)?;
+        }
+        candidates.insert(0, first);
+        Ok(Self { layers, spread, event_variance: events.variance, pilot, candidates })
+    }
+
+    /// What smooths the evidence for a choice.
+    fn kernel(&self, features: &GuideFeatures, settings: &ChoiceSettings) -> GuidedKernel {
+        let ChoiceSettings { feature_scale, brightness, .. } = *settings;
+        GuidedKernel::surfaces_and_brightness(features, &self.pilot, feature_scale, brightness)
+    }
+
+    fn contest<'a>(&'a self, features: &'a GuideFeatures, kernel: &'a GuidedKernel) -> Contest<'a> {
+        let Self { layers, pilot, candidates, .. } = self;
+        Contest { candidates, layers, kernel, pilot, features }
+    }
 }
 
 /// Samples of every pixel over their mean; `None` where they do not count or do not differ.
@@ -110,7 +151,7 @@ fn share_of_samples(counts: &[u32], settings: &FitSettings) -> Option<Vec<f32>> 
 }
 
 /// ν = variance of a half relative to the squared luminance L² + 0.001 around it, both over 5×5 pixels.
-fn relative_noise(layers: &split::Layers) -> Vec<f32> {
+fn relative_noise(layers: &Layers) -> Vec<f32> {
     let size = layers.variance.size();
     let luminance = box_mean(&luminance(&mean_of(&layers.halves)), size, 2);
     let relative = |(i, l): (usize, &f32)| layers.variance.mean_at(i) / (l * l + 1e-3);

@@ -15,8 +15,12 @@ const BANDWIDTHS: [f32; 3] = [0.7, 1.5, 3.0];
 /// Bandwidth of the candidate with a small window.
 const SMALL_BANDWIDTH: f32 = 1.5;
 
-/// The candidates of the second pass: both halves of the low layer rebuilt with the same weights, for three bandwidths
-/// and a small window; `pilot` guides them, `first` are the halves of the first pass. Reports the stage `second pass`.
+/// Bandwidth of the candidate with a tiny window: what is left of an edge that no feature and no pilot shows is found by
+/// hardly more than the pixel's neighbours.
+const TINY_BANDWIDTH: f32 = 3.0;
+
+/// The candidates of the second pass: both halves of the low layer rebuilt with the same weights, for three bandwidths,
+/// a small window and a tiny one; `pilot` guides them, `first` are the halves of the first pass. Reports the stage `second pass`.
 ///
 /// # Errors
 /// When `monitor` cancels.
@@ -50,6 +54,7 @@ pub fn second_pass(
     };
     let mut kernels = BANDWIDTHS.map(|bandwidth| Kernel { bandwidth, sigma: f32::INFINITY }).to_vec();
     kernels.push(Kernel { bandwidth: SMALL_BANDWIDTH, sigma: settings.small_sigma });
+    kernels.push(Kernel { bandwidth: TINY_BANDWIDTH, sigma: settings.tiny_sigma });
     monitor.begin("second pass", units(size, settings.stride, settings.covered));
     let predicted = collaborate(&fitted, &guides, &kernels, monitor)?;
     Ok(predicted.into_iter().map(|planes| halves_of(size, planes)).collect())

@@ -46,6 +46,8 @@ stack::knobs! {
         tolerance: f32 = 0.005, 1e-6..=1.0;
         /// Deviation of the candidate with a small window, in pixels.
         small_sigma: f32 = 3.0, 0.3..=100.0;
+        /// Deviation of the candidate with a tiny window, in pixels.
+        tiny_sigma: f32 = 1.5, 0.3..=100.0;
         /// Passes: with one, the first picture is the last; faster and coarser.
         passes: usize = 2, 1..=2;
         /// Whether a residual counts in proportion to its pixel's samples, where they differ.
@@ -104,6 +106,11 @@ stack::knobs! {
     pub struct ChoiceSettings("choice") {
         /// A candidate's weight falls by e for each this much more error, relative to the least.
         softness: f32 = 0.3, 0.001..=100.0;
+        /// And this much of the noise in the errors is added to that: candidates that differ by less are mixed evenly.
+        noise: f32 = 0.03, 0.0..=100.0;
+        /// Whether the network that comes along has a say, or errors alone. It was trained with the defaults of all
+        /// settings here.
+        learned: bool = true, ..;
         /// Weight of noise against error: noisy pixels say less about which candidate is right.
         precision: f32 = 3.0, 0.0..=1000.0;
         /// Weight of a squared difference in the logarithm of the pilot against one in features.

@@ -10,7 +10,8 @@ const SIZE: Size = Size::new(48, 48);
 fn run(stack: &FeatureStack) -> Reconstruction {
     let settings = BestSettings::default();
     let features = guide_features(stack, &settings.features, &Silent).unwrap();
-    let found = rebuild(stack, Cow::Borrowed(&stack.components[0]), &features, &settings, &Silent).unwrap();
+    let (component, chooser) = (Cow::Borrowed(&stack.components[0]), trained().unwrap());
+    let found = rebuild(stack, component, &features, &settings, Some(&chooser), &Silent).unwrap();
     let values = found.picture.channels().iter().flatten().chain(&found.mse);
     assert!(values.into_iter().all(|v| v.is_finite() && *v >= 0.0), "something is negative or not a number");
     found
@@ -117,7 +118,7 @@ fn the_same_bytes_for_any_number_of_threads() {
 #[test]
 fn means_and_relative_noise_follow_their_formulas() {
     let layers = test_scene::layers(&flat(SIZE, 2.0), 0.0, 149);
-    let noise = relative_noise(&split::Layers { variance: flat(SIZE, 0.4), ..layers });
+    let noise = relative_noise(&Layers { variance: flat(SIZE, 0.4), ..layers });
     assert!(noise.iter().all(|v| (v - 0.4 / 4.001).abs() < 1e-5));
     assert_eq!(mean_of(&[flat(SIZE, 1.0), flat(SIZE, 4.0)]), flat(SIZE, 2.5));
 }

@@ -1,9 +1,9 @@
 //! Trains the learning-based filter on variations of our scenes, and judges it on pictures it has not seen, beside the
 //! best filter whose bandwidths are the same everywhere.
 
-mod held_out;
-mod training_set;
-mod variation;
+pub mod held_out;
+pub mod training_set;
+pub mod variation;
 
 use anyhow::{Context, Result};
 use reconstruct::metrics::Comparison;

@@ -40,7 +40,7 @@ pub fn training_set(args: &ExperimentArgs, progress: &Progress) -> Result<Vec<Ex
 }
 
 /// Light that is not seen directly; black when there is none.
-fn scattered(stack: &FeatureStack) -> Image {
+pub fn scattered(stack: &FeatureStack) -> Image {
     let component = stack.component(ComponentRole::Scattered);
     component.map_or_else(|| Image::zeros(stack.size(), 3), |component| component.radiance.mean.clone())
 }

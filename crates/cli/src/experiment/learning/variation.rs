@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use glam::Vec3;
-use reconstruct::rivals::lbf::training::Numbers;
+use reconstruct::network::Numbers;
 use tracer::camera::CameraDescription;
 use tracer::material::Material;
 use tracer::scene::{Loaded, load};

@@ -21,7 +21,7 @@ fn settings() -> FitSettings {
 
 #[test]
 fn constants_stay_in_every_candidate() {
-    let (clean, candidates) = (flat(SIZE, 0.4), 4);
+    let (clean, candidates) = (flat(SIZE, 0.4), 5);
     let found = run(&layers(&clean, 0.0, 110), &clean, &settings());
     assert_eq!(found.len(), candidates);
     let values = found.iter().flatten().flat_map(|half| half.channels().iter().flatten());

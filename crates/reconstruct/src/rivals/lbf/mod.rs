@@ -36,7 +36,7 @@ pub use kernel::{Bandwidths, TERMS};
 pub use network::{HIDDEN, Network, PARAMETERS};
 pub use primary::{FEATURES, Primary};
 pub use secondary::{INPUTS, Inputs, secondary};
-pub use weights::{WeightsError, trained};
+pub use weights::trained;
 
 stack::knobs! {
     /// The learning-based filter (Kalantari et al. 2015).

@@ -3,6 +3,7 @@
 use super::kernel::{Bandwidths, TERMS};
 use super::secondary::{INPUTS, Inputs};
 use crate::exp::exp_of_negative;
+use crate::network::{add_products, tanh, weighted_sum};
 
 /// Nodes of the hidden layer.
 pub const HIDDEN: usize = 16;
@@ -75,17 +76,12 @@ impl Network {
 /// Bias and weighted sum of node `n` of a layer.
 fn node(layer: &[f32], n: usize, inputs: &[f32]) -> f32 {
     let own = &layer[n * (inputs.len() + 1)..][..inputs.len() + 1];
-    own[1..].iter().zip(inputs).fold(own[0], |sum, (weight, input)| sum + weight * input)
+    weighted_sum([own[0]], &own[1..], inputs.as_chunks().0)[0]
 }
 
 fn add_node(gradient: &mut [f64], inputs: &[f32], slope: f32) {
     gradient[0] += f64::from(slope);
-    gradient[1..].iter_mut().zip(inputs).for_each(|(sum, input)| *sum += f64::from(slope * input));
-}
-
-fn tanh(x: f32) -> f32 {
-    let e = exp_of_negative(-2.0 * x.abs());
-    ((1.0 - e) / (1.0 + e)).copysign(x)
+    add_products(&mut gradient[1..], &[slope], inputs.as_chunks().0);
 }
 
 fn sigmoid(x: f32) -> f32 {

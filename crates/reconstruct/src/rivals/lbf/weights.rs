@@ -12,35 +12,13 @@
 //! Numbers are written so that reading them gives the same bits. The order of the secondary features is that of
 //! `secondary`, that of the bandwidths that of `kernel`.
 
-use std::fmt::Write;
-
-use stack::Fault;
-
 use super::kernel::TERMS;
 use super::network::{HIDDEN, Network, PARAMETERS};
 use super::secondary::INPUTS;
+use crate::network::{WeightsError, WeightsReader, write_line};
 
 /// The weights that `tamis experiment lbf` trained.
 const TRAINED: &str = include_str!("weights.txt");
-
-/// A weights file that cannot be used.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("lbf weights, line {line}: expected {expected}, found {found}; make them again with `tamis experiment lbf`")]
-pub struct WeightsError {
-    /// Counted from 1; one past the last when the file ends early.
-    pub line: usize,
-    /// What should stand there.
-    pub expected: String,
-    /// What does.
-    pub found: String,
-}
-
-impl WeightsError {
-    /// Whose fault it is.
-    pub const fn fault(&self) -> Fault {
-        Fault::Input
-    }
-}
 
 /// The network with the weights that come with this crate.
 ///
@@ -60,14 +38,10 @@ impl Network {
     /// # Errors
     /// When a line is missing or has other numbers than it should.
     pub fn parse(text: &str) -> Result<Self, WeightsError> {
-        let mut lines = Lines { lines: text.lines().enumerate().collect(), next: 0 };
-        let (line, found) = lines.take(&head())?;
-        if found != head() {
-            return Err(WeightsError { line, expected: head(), found: found.into() });
-        }
-        let means = array(&lines.numbers("means", INPUTS, false)?);
-        let deviations = array(&lines.numbers("deviations", INPUTS, true)?);
-        let units = array(&lines.numbers("units", TERMS, true)?);
+        let mut lines = WeightsReader::new(text, "lbf", "tamis experiment lbf", &head())?;
+        let means = lines.array("means", false)?;
+        let deviations = lines.array("deviations", true)?;
+        let units = lines.array("units", true)?;
         let mut parameters = Vec::with_capacity(PARAMETERS);
         for _ in 0..HIDDEN {
             parameters.extend(lines.numbers("hidden", INPUTS + 1, false)?);
@@ -81,13 +55,7 @@ impl Network {
     /// The weights file of this network.
     pub fn to_text(&self) -> String {
         let mut text = format!("# Written by `tamis experiment lbf`; see weights.rs for the format.\n{}\n", head());
-        let mut line = |name: &str, numbers: &[f32]| {
-            text.push_str(name);
-            numbers.iter().for_each(|v| {
-                let _ = write!(text, " {v}");
-            });
-            text.push('\n');
-        };
+        let mut line = |name: &str, numbers: &[f32]| write_line(&mut text, name, numbers);
         line("means", &self.means);
         line("deviations", &self.deviations);
         line("units", &self.units);
@@ -95,48 +63,6 @@ impl Network {
         first.chunks(INPUTS + 1).for_each(|node| line("hidden", node));
         second.chunks(HIDDEN + 1).for_each(|node| line("output", node));
         text
-    }
-}
-
-/// Numbers that were counted before.
-fn array<const N: usize>(numbers: &[f32]) -> [f32; N] {
-    std::array::from_fn(|i| numbers[i])
-}
-
-/// The lines of a file that say something, one by one.
-struct Lines<'t> {
-    lines: Vec<(usize, &'t str)>,
-    next: usize,
-}
-
-impl<'t> Lines<'t> {
-    /// The next line with its number.
-    fn take(&mut self, expected: &str) -> Result<(usize, &'t str), WeightsError> {
-        while let Some((index, line)) = self.lines.get(self.next) {
-            self.next += 1;
-            let line = line.split('#').next().unwrap_or_default().trim();
-            if !line.is_empty() {
-                return Ok((index + 1, line));
-            }
-        }
-        let end = self.lines.len() + 1;
-        Err(WeightsError { line: end, expected: expected.into(), found: "the end of the file".into() })
-    }
-
-    /// The `count` finite numbers, above 0 if `positive`, of the next line, which must begin with `name`.
-    fn numbers(&mut self, name: &str, count: usize, positive: bool) -> Result<Vec<f32>, WeightsError> {
-        let least = if positive { " above 0" } else { "" };
-        let expected = format!("'{name}' and {count} numbers{least}");
-        let (line, text) = self.take(&expected)?;
-        let refuse = |found: String| WeightsError { line, expected: expected.clone(), found };
-        let mut words = text.split_whitespace();
-        if let Some(other) = words.next().filter(|word| *word != name) {
-            return Err(refuse(format!("'{other}'")));
-        }
-        let is_fit = |v: &f32| v.is_finite() && (!positive || *v > 0.0);
-        let number = |word: &str| word.parse().ok().filter(is_fit).ok_or_else(|| refuse(format!("'{word}'")));
-        let numbers: Vec<f32> = words.map(number).collect::<Result<_, _>>()?;
-        if numbers.len() == count { Ok(numbers) } else { Err(refuse(format!("{} numbers", numbers.len()))) }
     }
 }
 

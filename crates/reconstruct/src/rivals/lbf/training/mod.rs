@@ -1,21 +1,18 @@
 //! Training: the network's weights, through the filter, by the error of the filtered picture (the paper's section 4.1).
 
-mod adam;
 mod example;
 mod fixed;
 mod gradient;
-mod numbers;
 
 use stack::{Cancelled, Monitor};
 
 use super::kernel::{Bandwidths, TERMS};
 use super::network::{HIDDEN, Network, PARAMETERS, output_of_unit};
 use super::secondary::{INPUTS, Inputs};
-use adam::Adam;
+use crate::network::{Adam, Numbers};
 pub use example::Example;
 pub use fixed::best_fixed;
 use gradient::Batch;
-pub use numbers::Numbers;
 
 /// How the network is trained.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! Repeatable random numbers (SplitMix64, Steele et al. 2014).
 
 /// A generator that gives the same numbers for the same seed.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Numbers(u64);
 
 impl Numbers {

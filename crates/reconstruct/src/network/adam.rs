@@ -9,24 +9,25 @@ const EPSILON: f64 = 1e-8;
 
 /// Moving means of gradients.
 #[derive(Clone, Debug)]
-pub(super) struct Adam {
+pub struct Adam {
     means: Vec<f64>,
     squares: Vec<f64>,
     steps: i32,
 }
 
 impl Adam {
-    pub(super) fn new(parameters: usize) -> Self {
+    /// No steps made, none of `parameters` moved.
+    pub fn new(parameters: usize) -> Self {
         Self { means: vec![0.0; parameters], squares: vec![0.0; parameters], steps: 0 }
     }
 
     /// Steps made so far.
-    pub(super) const fn steps(&self) -> i32 {
+    pub const fn steps(&self) -> i32 {
         self.steps
     }
 
     /// Moves `parameters` against their `gradient`, each by about `rate`.
-    pub(super) fn step(&mut self, parameters: &mut [f32], gradient: &[f64], rate: f64) {
+    pub fn step(&mut self, parameters: &mut [f32], gradient: &[f64], rate: f64) {
         self.steps += 1;
         let (unbias_1, unbias_2) = (1.0 - BETA_1.powi(self.steps), 1.0 - BETA_2.powi(self.steps));
         for (i, g) in gradient.iter().enumerate() {

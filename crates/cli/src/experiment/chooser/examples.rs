@@ -1,0 +1,55 @@
+//! Noisy pictures of varied scenes and of rooms with two references each.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use reconstruct::best::training::Example;
+
+use super::room::write_room;
+use crate::args::ExperimentArgs;
+use crate::experiment::learning::training_set::scattered;
+use crate::experiment::learning::variation::write_variation;
+use crate::experiment::reference::reference_stacks;
+use crate::experiment::scenes::{OWN_SCENES, Stage};
+use crate::progress::Progress;
+use crate::render::Budget;
+
+/// Variations of each of our scenes.
+const VARIATIONS: u64 = 3;
+/// Rooms.
+const ROOMS: u64 = 14;
+
+/// Renders every variation of our scenes and every room at every number of samples.
+///
+/// # Errors
+/// When a scene cannot be opened, varied, traced or rebuilt.
+pub fn examples(args: &ExperimentArgs, progress: &Progress) -> Result<Vec<Example>> {
+    let seed = args.settings()?.trace.seed;
+    let mut examples = Vec::new();
+    for (number, file) in scenes(args, seed)?.iter().enumerate() {
+        examples.extend(of_scene(file, seed.wrapping_add(number as u64 + 1), args, progress)?);
+    }
+    Ok(examples)
+}
+
+/// Writes the scenes.
+fn scenes(args: &ExperimentArgs, seed: u64) -> Result<Vec<PathBuf>> {
+    let folder = args.output.join("scenes");
+    std::fs::create_dir_all(&folder).with_context(|| format!("{}: cannot make the folder", folder.display()))?;
+    let varied = OWN_SCENES.iter().flat_map(|scene| (0..VARIATIONS).map(move |number| (scene, number)));
+    let varied = varied.map(|(scene, number)| write_variation(Path::new(scene), &folder, seed, number));
+    varied.chain((0..ROOMS).map(|number| write_room(&folder, seed, number))).collect()
+}
+
+fn of_scene(file: &Path, seed: u64, args: &ExperimentArgs, progress: &Progress) -> Result<Vec<Example>> {
+    let stage = Stage::open(file, args, progress)?;
+    let references = reference_stacks(args, &stage, progress)?.map(|stack| scattered(&stack));
+    let mut settings = args.settings()?;
+    settings.trace.seed = seed;
+    let example = |spp: &u32| {
+        progress.say(&format!("{}: {spp} spp", stage.name));
+        let stack = stage.render(&settings, &Budget::uniform(*spp), false, progress)?.stack;
+        Ok(Example::new(&stack, &references, &settings.reconstruction.best, seed, progress)?)
+    };
+    args.spp.iter().map(example).collect()
+}

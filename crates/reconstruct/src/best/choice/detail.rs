@@ -1,0 +1,58 @@
+//! How much detail there is around a pixel.
+
+use stack::{Image, Size};
+
+use super::Contest;
+use crate::best::features::GuideFeatures;
+use crate::box_filter::box_mean;
+use crate::ln::ln;
+
+/// Planes of detail.
+pub const DETAILS: usize = 4;
+/// Radii of the boxes that detail is averaged over, in pixels.
+const RADII: [usize; 2] = [1, 4];
+/// Detail below this is all the same.
+const LEAST: f32 = 0.01;
+
+/// Logarithms of the mean step between neighbours: of the logarithm of the pilot's brightness around a pixel and farther
+/// around it, then of the features that tell surfaces apart.
+pub fn details(contest: &Contest) -> [Vec<f32>; DETAILS] {
+    let size = contest.pilot.size();
+    let (bright, surface) = (steps(&[logarithm(contest.pilot)], size), steps(&surfaces(contest.features), size));
+    let around = |plane: &[f32], radius: usize| box_mean(plane, size, radius).iter().map(|v| ln(v + LEAST)).collect();
+    let [near, far] = RADII;
+    [around(&bright, near), around(&bright, far), around(&surface, near), around(&surface, far)]
+}
+
+fn surfaces(features: &GuideFeatures) -> Vec<&[f32]> {
+    features.surfaces.iter().map(|plane| features.set.planes[*plane].as_slice()).collect()
+}
+
+fn logarithm(picture: &Image) -> Vec<f32> {
+    (0..picture.pixels()).map(|pixel| ln(picture.mean_at(pixel).max(0.0) + 0.02)).collect()
+}
+
+/// Σ over `planes` of how far a pixel is from those left of and above it.
+fn steps(planes: &[impl AsRef<[f32]>], size: Size) -> Vec<f32> {
+    let mut sums = vec![0.0; size.pixels()];
+    for plane in planes {
+        let plane = plane.as_ref();
+        for (i, sum) in sums.iter_mut().enumerate() {
+            let left = if i % size.width > 0 { i - 1 } else { i };
+            let above = i.checked_sub(size.width).unwrap_or(i);
+            *sum += (plane[i] - plane[left]).abs() + (plane[i] - plane[above]).abs();
+        }
+    }
+    sums
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_are_those_to_the_left_and_up() {
+        let planes = [[1.0, 3.0, 0.0, 10.0], [0.0, 0.0, 0.5, 0.5]];
+        assert_eq!(steps(&planes, Size::new(2, 2)), [0.0, 2.0, 1.5, 17.5]);
+    }
+}
