@@ -2,6 +2,7 @@
 
 use stack::{Component, ComponentRole, FeatureStack, Monitor};
 
+use crate::completion::{Completed, complete};
 use crate::components::{sum_of_components, variance_of};
 use crate::emission::{rebuild_emission, with_emission_apart};
 use crate::method::{Fit, Method};
@@ -14,8 +15,17 @@ use crate::{Settings, best, paper, rivals};
 /// Reconstructs the picture of `stack`: every component by itself, then their sum.
 ///
 /// # Errors
-/// When the noise of a component is unknown, there is no feature, or `monitor` cancels.
+/// When a feature does not fit its role or the stack, or `monitor` cancels.
 pub fn reconstruct(
+    stack: &FeatureStack,
+    settings: &Settings,
+    monitor: &dyn Monitor,
+) -> Result<Reconstruction, ReconstructError> {
+    let Completed { stack, lacks } = complete(stack, &settings.completion, monitor)?;
+    Ok(Reconstruction { lacks, ..by_method(&stack, settings, monitor)? })
+}
+
+fn by_method(
     stack: &FeatureStack,
     settings: &Settings,
     monitor: &dyn Monitor,

@@ -6,6 +6,7 @@
 //! that resemble its own (`spread`); what the residual still holds is added (`cascade`), which makes a pilot picture; a
 //! second regression is guided by the pilot (`second_pass`); and the candidates are mixed by their error (`choice`).
 
+mod alone;
 mod cascade;
 mod choice;
 mod error;
@@ -22,15 +23,18 @@ mod spread;
 #[cfg(test)]
 mod test_scene;
 
-use stack::{Component, FeatureStack, Monitor};
+use stack::{Component, Estimate, FeatureStack, Monitor, Noise, SampleCounts};
 
+use self::alone::split_alone;
 use self::cascade::{Parts, add_significant_residual};
 use self::given::Given;
 use self::guided_kernel::GuidedKernel;
 use self::halves::{luminance, mean_of, sum_of};
 use self::restore::restore_energy;
+use self::split::Layers;
 use crate::box_filter::box_mean;
 use crate::reconstruction::{ReconstructError, Reconstruction};
+use crate::recorruption::recorrupted_halves;
 
 pub use error::share_unseen;
 pub use features::{GuideFeatures, guide_features};
@@ -52,7 +56,7 @@ pub fn rebuild(
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
     monitor.begin("spikes", 1);
-    let layers = split::split(component, &stack.samples, &settings.split)?;
+    let layers = layers_of(component, stack, settings)?;
     let noise = relative_noise(&layers);
     let samples = share_of_samples(&stack.samples.total, &settings.regression);
     let given = Given { layers: &layers, noise: &noise, samples: samples.as_deref(), features };
@@ -62,8 +66,7 @@ pub fn rebuild(
     let events = spread::spread(&layers.events, &pilot, features, &settings.spread);
     let spread = spread::steadied(events.halves, &pilot, features, &settings.spread, monitor)?;
     pilot.add(&spread);
-    if let Some(groups) = component.radiance.groups(&stack.samples, CASCADE_GROUPS) {
-        let parts = Parts::new(groups, &stack.samples);
+    if let Some(parts) = parts_of(&component.radiance, &stack.samples) {
         let kernel = GuidedKernel::surfaces(features, settings.cascade.feature_scale);
         let brightness = pilot.clone();
         add_significant_residual(&mut pilot, parts, &brightness, &kernel, &settings.cascade, monitor)?;
@@ -92,6 +95,22 @@ pub fn rebuild(
         marked: layers.events.energy.iter().filter(|e| **e > 0.0).count(),
         ..Reconstruction::plain(picture)
     })
+}
+
+/// Both layers: by buckets where there are any, else by what is known of the mean.
+fn layers_of(component: &Component, stack: &FeatureStack, settings: &BestSettings) -> Result<Layers, ReconstructError> {
+    match &component.radiance.noise {
+        Noise::VarianceOfMean(variance) => Ok(split_alone(&component.radiance.mean, variance, &settings.alone)),
+        _ => split::split(component, &stack.samples, &settings.split),
+    }
+}
+
+/// Independent parts of a component for the cascade.
+fn parts_of(radiance: &Estimate, samples: &SampleCounts) -> Option<Parts> {
+    match &radiance.noise {
+        Noise::VarianceOfMean(variance) => Some(Parts::halves(recorrupted_halves(&radiance.mean, variance))),
+        _ => radiance.groups(samples, CASCADE_GROUPS).map(|groups| Parts::new(groups, samples)),
+    }
 }
 
 /// Samples of every pixel over their mean; `None` where they do not count or do not differ.

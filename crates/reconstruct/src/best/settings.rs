@@ -13,6 +13,18 @@ stack::knobs! {
 }
 
 stack::knobs! {
+    /// How light is split where a stack has no buckets.
+    pub struct AloneSettings("alone") {
+        /// A pixel is cut where it exceeds this multiple of what its neighbours reach.
+        factor: f32 = 2.0, 1.0..=1000.0;
+        /// What the neighbours reach: this quantile of them, 0 to 1.
+        quantile: f32 = 0.97, 0.0..=1.0;
+        /// Radius of the neighbours, in pixels.
+        radius: usize = 2, 1..=8;
+    }
+}
+
+stack::knobs! {
     /// How features are freed of noise before they guide a collaborative fit.
     pub struct FeatureSettings("features") {
         /// Bandwidth k of the non-local means.
@@ -127,6 +139,8 @@ stack::knob_groups! {
     pub struct BestSettings {
         /// Low layer and events.
         split: SplitSettings,
+        /// The same without buckets.
+        alone: AloneSettings,
         /// Features.
         features: FeatureSettings,
         /// Regressions.

@@ -11,7 +11,7 @@ use crate::reconstruction::ReconstructError;
 use crate::variance::{known_everywhere, steadied};
 
 /// Least variance of a half.
-const LEAST_VARIANCE: f32 = 1e-7;
+pub const LEAST_VARIANCE: f32 = 1e-7;
 
 /// Least luminance that anything is cut at.
 const LEAST_CAP: f32 = 1e-4;

@@ -1,0 +1,50 @@
+//! The noise of a picture of which only the mean is known.
+
+use rayon::prelude::*;
+use stack::{FeatureStack, Image};
+
+use super::CompletionSettings;
+use super::local_fit::LocalFit;
+use crate::prefilter::{PrefilterError, VarianceSource, guides, normalised};
+
+/// Variance of every value of `mean`, measured: what a linear fit to place and features around it leaves of it, squared.
+///
+/// A fit with the equivalent kernel l leaves r = Σ (δ − l) y, whose variance is that of a value times (1 − l₀)² + Σ l² over
+/// the others, where the noise around is alike. Divided by that, r² is the variance on average, wherever the fit follows
+/// the truth; detail that no feature explains counts as noise.
+///
+/// # Errors
+/// When a feature does not fit its role or the stack.
+pub fn measured_variance(
+    mean: &Image,
+    stack: &FeatureStack,
+    settings: &CompletionSettings,
+) -> Result<Image, PrefilterError> {
+    let planes = feature_planes(stack)?;
+    let size = stack.size();
+    let CompletionSettings { noise_radius: radius, noise_likeness: likeness, noise_ridge: ridge } = *settings;
+    let fit = LocalFit { size, planes: &planes, radius, likeness, ridge };
+    let squares: Vec<[f32; 3]> = (0..size.pixels())
+        .into_par_iter()
+        .map_init(Vec::new, |kernel, pixel| squared_residual(&fit, mean, pixel, kernel))
+        .collect();
+    Ok(Image::from_channels(size, (0..3).map(|c| squares.iter().map(|square| square[c]).collect()).collect()))
+}
+
+/// The features on natural scales, not filtered: their noise is unknown, too.
+fn feature_planes(stack: &FeatureStack) -> Result<Vec<Vec<f32>>, PrefilterError> {
+    let normal = guides(stack)?.into_iter().map(|feature| normalised(feature, &stack.samples, VarianceSource::Buckets));
+    Ok(normal.flat_map(|feature| feature.planes).map(|plane| plane.iter().map(|v| 0.5 * v).collect()).collect())
+}
+
+fn squared_residual(fit: &LocalFit, mean: &Image, pixel: usize, kernel: &mut Vec<(usize, f32)>) -> [f32; 3] {
+    fit.equivalent_kernel(pixel, kernel);
+    let (mut residual, mut norm) = ([0.0; 3], 0.0);
+    for (near, weight) in kernel.iter() {
+        let left = if *near == pixel { 1.0 - weight } else { -weight };
+        norm += left * left;
+        residual.iter_mut().zip(mean.rgb(*near)).for_each(|(sum, y)| *sum += left * y);
+    }
+    // Half a value's own variance at least must show, or rounding and chance decide.
+    residual.map(|r| r * r / norm.max(0.05))
+}
