@@ -21,6 +21,20 @@ pub fn recorrupted_halves(mean: &Image, variance: &Image) -> [Image; 2] {
     halves
 }
 
+/// As [`recorrupted_halves`], but z is ± the deviation, by lot: the halves' difference tells the variance exactly.
+pub fn evenly_recorrupted_halves(mean: &Image, variance: &Image) -> [Image; 2] {
+    let side = |pixel: usize| if coin(pixel as u64) { 1.0 } else { -1.0 };
+    [1.0, -1.0].map(|sign| {
+        let mut half = mean.clone();
+        for (plane, variance) in half.channels_mut().iter_mut().zip(variance.channels()) {
+            for (pixel, (value, v)) in plane.iter_mut().zip(variance).enumerate() {
+                *value += sign * side(pixel) * v.max(0.0).sqrt();
+            }
+        }
+        half
+    })
+}
+
 /// A standard normal number that is a function of `key`: twelve uniform ones added up, which are within ±6. Made of whole
 /// numbers, so that it is the same on any machine.
 fn normal(key: u64) -> f32 {

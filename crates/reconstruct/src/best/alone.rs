@@ -5,7 +5,7 @@ use stack::{Image, Size};
 
 use super::settings::AloneSettings;
 use super::split::{Events, LEAST_VARIANCE, Layers};
-use crate::recorruption::{coin, recorrupted_halves};
+use crate::recorruption::{coin, evenly_recorrupted_halves, recorrupted_halves};
 use crate::variance::{known_everywhere, steadied};
 
 /// Least luminance that anything is cut at.
@@ -30,7 +30,7 @@ pub fn split_alone(mean: &Image, variance: &Image, settings: &AloneSettings) -> 
     let variance = scaled(&variance, &|i| kept[i] * kept[i]);
     let energy: Vec<f32> = (0..size.pixels()).map(|i| 3.0 * (1.0 - kept[i]) * luminance[i]).collect();
     Layers {
-        halves: recorrupted_halves(&low, &variance),
+        halves: if settings.even { evenly_recorrupted_halves(&low, &variance) } else { recorrupted_halves(&low, &variance) },
         variance: steadied(scaled(&variance, &|_| 2.0), LEAST_VARIANCE),
         events: Events {
             light: [true, false].map(|side| scaled(mean, &|i| if coin(i as u64) == side { 1.0 - kept[i] } else { 0.0 })),

@@ -9,6 +9,7 @@
 mod alone;
 mod cascade;
 mod choice;
+mod colour_guide;
 mod error;
 mod features;
 mod first_pass;
@@ -27,6 +28,7 @@ use stack::{Component, Estimate, FeatureStack, Monitor, Noise, SampleCounts};
 
 use self::alone::split_alone;
 use self::cascade::{Parts, add_significant_residual};
+use self::colour_guide::with_colour;
 use self::given::Given;
 use self::guided_kernel::GuidedKernel;
 use self::halves::{luminance, mean_of, sum_of};
@@ -34,7 +36,7 @@ use self::restore::restore_energy;
 use self::split::Layers;
 use crate::box_filter::box_mean;
 use crate::reconstruction::{ReconstructError, Reconstruction};
-use crate::recorruption::recorrupted_halves;
+use crate::recorruption::evenly_recorrupted_halves;
 
 pub use error::share_unseen;
 pub use features::{GuideFeatures, guide_features};
@@ -63,6 +65,7 @@ pub fn rebuild(
     let first = first_pass::first_pass(&given, &settings.regression, monitor)?;
     monitor.begin("spread", 1);
     let mut pilot = mean_of(&first);
+    let features = &*with_colour(features, stack, &pilot, settings.alone.colour);
     let events = spread::spread(&layers.events, &pilot, features, &settings.spread);
     let spread = spread::steadied(events.halves, &pilot, features, &settings.spread, monitor)?;
     pilot.add(&spread);
@@ -108,7 +111,7 @@ fn layers_of(component: &Component, stack: &FeatureStack, settings: &BestSetting
 /// Independent parts of a component for the cascade.
 fn parts_of(radiance: &Estimate, samples: &SampleCounts) -> Option<Parts> {
     match &radiance.noise {
-        Noise::VarianceOfMean(variance) => Some(Parts::halves(recorrupted_halves(&radiance.mean, variance))),
+        Noise::VarianceOfMean(variance) => Some(Parts::halves(evenly_recorrupted_halves(&radiance.mean, variance))),
         _ => radiance.groups(samples, CASCADE_GROUPS).map(|groups| Parts::new(groups, samples)),
     }
 }

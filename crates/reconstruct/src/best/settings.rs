@@ -21,6 +21,11 @@ stack::knobs! {
         quantile: f32 = 0.97, 0.0..=1.0;
         /// Radius of the neighbours, in pixels.
         radius: usize = 2, 1..=8;
+        /// TEST
+        even: bool = false, ..;
+        /// Weight of a difference in the logarithm of the first pass against one in features, where none of these tells
+        /// surfaces apart.
+        colour: f32 = 0.5, 0.0..=100.0;
     }
 }
 

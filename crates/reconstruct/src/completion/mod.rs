@@ -9,15 +9,17 @@ mod lack;
 mod local_fit;
 mod noise;
 mod place;
+mod roughness;
 
 use std::borrow::Cow;
 
-use stack::{Component, Estimate, Feature, FeatureRole, FeatureStack, Monitor, Noise};
+use stack::{Component, Estimate, Feature, FeatureRole, FeatureStack, Image, Monitor, Noise};
 
 use crate::prefilter::PrefilterError;
 pub use lack::Lack;
 use noise::measured_variance;
 use place::{position_from_depth, position_on_screen};
+use roughness::roughness;
 
 stack::knobs! {
     /// How noise is measured on a picture of which nothing else is known.
@@ -28,6 +30,10 @@ stack::knobs! {
         noise_likeness: f32 = 0.1, 0.001..=100.0;
         /// Ridge of such a fit.
         noise_ridge: f32 = 1e-3, 1e-9..=10.0;
+        /// Noise is at most this multiple of how rough the picture is along its smoothest direction.
+        noise_detail: f32 = 1.0, 0.0..=1e6;
+        /// Multiple of its roughness that is taken for a feature's variance.
+        feature_noise: f32 = 1.0, 0.0..=1000.0;
     }
 }
 
@@ -50,8 +56,9 @@ pub fn complete<'a>(
     monitor: &dyn Monitor,
 ) -> Result<Completed<'a>, PrefilterError> {
     let mut completed = Completed { stack: Cow::Borrowed(stack), lacks: Vec::new() };
+    completed.measure_features(settings);
     if stack.feature(FeatureRole::Position).is_none() {
-        completed.add_position();
+        completed.add_position(settings);
     }
     completed.measure_noise(settings)?;
     completed.lacks.iter().for_each(|lack| monitor.note(&lack.to_string()));
@@ -59,19 +66,28 @@ pub fn complete<'a>(
 }
 
 impl Completed<'_> {
-    fn add_position(&mut self) {
+    fn add_position(&mut self, settings: &CompletionSettings) {
         let (size, depth) = (self.stack.size(), self.stack.feature(FeatureRole::Depth));
-        let (lack, mean) = match depth {
-            Some(depth) => (Lack::POSITION, position_from_depth(&depth.estimate.mean)),
-            None => (Lack::PLACE, position_on_screen(size)),
+        let (lack, estimate) = match depth {
+            Some(depth) => {
+                let mean = position_from_depth(&depth.estimate.mean);
+                let noise = measured_roughness(&mean, settings);
+                (Lack::POSITION, Estimate { mean, noise })
+            }
+            None => (Lack::PLACE, Estimate { mean: position_on_screen(size), noise: Noise::Unknown }),
         };
-        if self.stack.features.is_empty() {
-            self.lacks.push(Lack::FEATURES);
-        } else {
-            self.lacks.push(lack);
+        self.lacks.push(if self.stack.features.is_empty() { Lack::FEATURES } else { lack });
+        self.stack.to_mut().features.insert(0, Feature { role: FeatureRole::Position, estimate });
+    }
+
+    /// Gives every feature of unknown noise the variance that its roughness tells.
+    fn measure_features(&mut self, settings: &CompletionSettings) {
+        if settings.feature_noise > 0.0 && self.stack.features.iter().any(|f| f.estimate.noise == Noise::Unknown) {
+            let features = self.stack.to_mut().features.iter_mut();
+            for feature in features.filter(|feature| feature.estimate.noise == Noise::Unknown) {
+                feature.estimate.noise = measured_roughness(&feature.estimate.mean, settings);
+            }
         }
-        let position = Feature { role: FeatureRole::Position, estimate: Estimate { mean, noise: Noise::Unknown } };
-        self.stack.to_mut().features.insert(0, position);
     }
 
     fn measure_noise(&mut self, settings: &CompletionSettings) -> Result<(), PrefilterError> {
@@ -92,6 +108,13 @@ impl Completed<'_> {
         }
         Ok(())
     }
+}
+
+/// The noise of a feature, as its roughness tells it.
+fn measured_roughness(mean: &Image, settings: &CompletionSettings) -> Noise {
+    let mut variance = roughness(mean);
+    variance.channels_mut().iter_mut().flatten().for_each(|v| *v *= settings.feature_noise);
+    Noise::VarianceOfMean(variance)
 }
 
 #[cfg(test)]

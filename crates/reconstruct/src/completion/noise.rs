@@ -5,6 +5,8 @@ use stack::{FeatureStack, Image};
 
 use super::CompletionSettings;
 use super::local_fit::LocalFit;
+use super::roughness::roughness;
+use crate::box_filter::box_mean;
 use crate::prefilter::{PrefilterError, VarianceSource, guides, normalised};
 
 /// Variance of every value of `mean`, measured: what a linear fit to place and features around it leaves of it, squared.
@@ -22,13 +24,29 @@ pub fn measured_variance(
 ) -> Result<Image, PrefilterError> {
     let planes = feature_planes(stack)?;
     let size = stack.size();
-    let CompletionSettings { noise_radius: radius, noise_likeness: likeness, noise_ridge: ridge } = *settings;
+    let CompletionSettings { noise_radius: radius, noise_likeness: likeness, noise_ridge: ridge, .. } = *settings;
     let fit = LocalFit { size, planes: &planes, radius, likeness, ridge };
     let squares: Vec<[f32; 3]> = (0..size.pixels())
         .into_par_iter()
         .map_init(Vec::new, |kernel, pixel| squared_residual(&fit, mean, pixel, kernel))
         .collect();
-    Ok(Image::from_channels(size, (0..3).map(|c| squares.iter().map(|square| square[c]).collect()).collect()))
+    let squares = Image::from_channels(size, (0..3).map(|c| squares.iter().map(|s| s[c]).collect()).collect());
+    Ok(without_detail(squares, mean, settings.noise_detail))
+}
+
+/// `squares` of residuals, less where `mean` is smoother along some line than the fit says: there are edges or textures
+/// that no feature explains. Over 3×3 pixels they do not exceed `factor` times its roughness.
+fn without_detail(mut squares: Image, mean: &Image, factor: f32) -> Image {
+    let (size, rough) = (mean.size(), roughness(mean));
+    for (plane, rough) in squares.channels_mut().iter_mut().zip(rough.channels()) {
+        let around = box_mean(plane, size, 1);
+        for ((square, around), rough) in plane.iter_mut().zip(&around).zip(rough) {
+            if factor * rough < *around {
+                *square *= factor * rough / around;
+            }
+        }
+    }
+    squares
 }
 
 /// The features on natural scales, not filtered: their noise is unknown, too.
