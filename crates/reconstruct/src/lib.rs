@@ -13,6 +13,7 @@ pub mod completion;
 mod components;
 mod emission;
 pub mod exp;
+mod lone_light;
 mod method;
 pub mod metrics;
 pub mod nl_means;

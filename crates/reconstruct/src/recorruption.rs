@@ -92,7 +92,10 @@ mod tests {
         let deviates: Vec<f32> = (0..20_000).map(normal).collect();
         let [mean, square] = [1, 2].map(|p| deviates.iter().map(|z| z.powi(p)).sum::<f32>() / 20_000.0);
         let fourth = deviates.iter().map(|z| z.powi(4)).sum::<f32>() / 20_000.0;
-        assert!(mean.abs() < 0.03 && (square - 1.0).abs() < 0.04 && (fourth - 2.9).abs() < 0.2, "{mean} {square} {fourth}");
+        assert!(
+            mean.abs() < 0.03 && (square - 1.0).abs() < 0.04 && (fourth - 2.9).abs() < 0.2,
+            "{mean} {square} {fourth}"
+        );
         assert!(moment(&deviates[1..], &deviates[..19_999]).abs() < 0.03);
         let heads = (0..20_000).filter(|key| coin(*key)).count();
         assert!((9_700..10_300).contains(&heads), "{heads}");

@@ -22,7 +22,7 @@ mod settings;
 mod split;
 mod spread;
 #[cfg(test)]
-mod test_scene;
+pub(crate) mod test_scene;
 
 use stack::{Component, Estimate, FeatureStack, Monitor, Noise, SampleCounts};
 
@@ -65,7 +65,7 @@ pub fn rebuild(
     let first = first_pass::first_pass(&given, &settings.regression, monitor)?;
     monitor.begin("spread", 1);
     let mut pilot = mean_of(&first);
-    let features = &*with_colour(features, stack, &pilot, settings.alone.colour);
+    let features = &*with_colour(features, stack, &pilot, settings.colour.guide);
     let events = spread::spread(&layers.events, &pilot, features, &settings.spread);
     let spread = spread::steadied(events.halves, &pilot, features, &settings.spread, monitor)?;
     pilot.add(&spread);
@@ -103,7 +103,7 @@ pub fn rebuild(
 /// Both layers: by buckets where there are any, else by what is known of the mean.
 fn layers_of(component: &Component, stack: &FeatureStack, settings: &BestSettings) -> Result<Layers, ReconstructError> {
     match &component.radiance.noise {
-        Noise::VarianceOfMean(variance) => Ok(split_alone(&component.radiance.mean, variance, &settings.alone)),
+        Noise::VarianceOfMean(variance) => Ok(split_alone(&component.radiance.mean, variance)),
         _ => split::split(component, &stack.samples, &settings.split),
     }
 }

@@ -13,19 +13,11 @@ stack::knobs! {
 }
 
 stack::knobs! {
-    /// How light is split where a stack has no buckets.
-    pub struct AloneSettings("alone") {
-        /// A pixel is cut where it exceeds this multiple of what its neighbours reach.
-        factor: f32 = 2.0, 1.0..=1000.0;
-        /// What the neighbours reach: this quantile of them, 0 to 1.
-        quantile: f32 = 0.97, 0.0..=1.0;
-        /// Radius of the neighbours, in pixels.
-        radius: usize = 2, 1..=8;
-        /// TEST
-        even: bool = false, ..;
-        /// Weight of a difference in the logarithm of the first pass against one in features, where none of these tells
-        /// surfaces apart.
-        colour: f32 = 0.5, 0.0..=100.0;
+    /// What guides kernels where no feature tells surfaces apart.
+    pub struct ColourSettings("colour") {
+        /// Weight of a difference in the logarithm of the first pass's picture against one in features; 0 leaves it to the
+        /// brightness that each step looks at.
+        guide: f32 = 0.5, 0.0..=100.0;
     }
 }
 
@@ -144,8 +136,8 @@ stack::knob_groups! {
     pub struct BestSettings {
         /// Low layer and events.
         split: SplitSettings,
-        /// The same without buckets.
-        alone: AloneSettings,
+        /// Kernels without features.
+        colour: ColourSettings,
         /// Features.
         features: FeatureSettings,
         /// Regressions.

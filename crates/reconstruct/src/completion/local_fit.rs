@@ -96,3 +96,57 @@ fn first_column_of_inverse(matrix: &mut [Vector; TERMS], count: usize) -> Vector
     }
     solution
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_noise::TestNoise;
+    use nalgebra::{DMatrix, DVector};
+
+    const SIZE: Size = Size::new(9, 7);
+
+    fn planes() -> Vec<Vec<f32>> {
+        let mut noise = TestNoise(31);
+        (0..4).map(|_| noise.normals(SIZE.pixels(), 0.3, 0.1)).collect()
+    }
+
+    fn kernel(fit: &LocalFit, pixel: usize) -> Vec<(usize, f32)> {
+        let mut kernel = Vec::new();
+        fit.equivalent_kernel(pixel, &mut kernel);
+        kernel
+    }
+
+    #[test]
+    fn weights_are_those_of_ridge_regression() {
+        let planes = planes();
+        let fit = LocalFit { size: SIZE, planes: &planes, radius: 2, likeness: 0.3, ridge: 0.02 };
+        for pixel in [0, 31, 40] {
+            let found = kernel(&fit, pixel);
+            let weights =
+                DVector::from_iterator(found.len(), found.iter().map(|(q, _)| f64::from(fit.likeness_of(pixel, *q))));
+            let rows: Vec<f64> =
+                found.iter().flat_map(|(q, _)| fit.terms(pixel, *q)[..7].to_vec()).map(f64::from).collect();
+            let x = DMatrix::from_row_slice(found.len(), 7, &rows);
+            let mut gram = x.transpose() * DMatrix::from_diagonal(&weights) * &x;
+            (1..7).for_each(|i| gram[(i, i)] += 0.02 * weights.sum());
+            let column = gram.try_inverse().unwrap().column(0).into_owned();
+            for (i, (_, weight)) in found.iter().enumerate() {
+                let expected = weights[i] * x.row(i).transpose().dot(&column);
+                assert!((f64::from(*weight) - expected).abs() < 1e-4, "{pixel}: {weight} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn constants_are_reproduced_and_linear_light_almost() {
+        let planes = planes();
+        let fit = LocalFit { size: SIZE, planes: &planes, radius: 2, likeness: 1.0, ridge: 1e-6 };
+        let light = |q: usize| 1.0 + 0.2 * (q % 9) as f32 - 0.1 * (q / 9) as f32 + 2.0 * planes[1][q] - planes[3][q];
+        for pixel in 0..SIZE.pixels() {
+            let kernel = kernel(&fit, pixel);
+            assert!((kernel.iter().map(|(_, w)| w).sum::<f32>() - 1.0).abs() < 1e-3);
+            let fitted: f32 = kernel.iter().map(|(q, w)| w * light(*q)).sum();
+            assert!((fitted - light(pixel)).abs() < 5e-3, "{pixel}: {fitted} {}", light(pixel));
+        }
+    }
+}

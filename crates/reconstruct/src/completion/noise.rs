@@ -7,13 +7,15 @@ use super::CompletionSettings;
 use super::local_fit::LocalFit;
 use super::roughness::roughness;
 use crate::box_filter::box_mean;
+use crate::lone_light::share_like_neighbours;
 use crate::prefilter::{PrefilterError, VarianceSource, guides, normalised};
 
 /// Variance of every value of `mean`, measured: what a linear fit to place and features around it leaves of it, squared.
 ///
 /// A fit with the equivalent kernel l leaves r = Σ (δ − l) y, whose variance is that of a value times (1 − l₀)² + Σ l² over
 /// the others, where the noise around is alike. Divided by that, r² is the variance on average, wherever the fit follows
-/// the truth; detail that no feature explains counts as noise.
+/// the truth; detail that no feature explains counts as noise. Light that sticks out of its neighbours is left out of all
+/// fits, for it would make them noisy, too; its own square is added where it is.
 ///
 /// # Errors
 /// When a feature does not fit its role or the stack.
@@ -24,14 +26,25 @@ pub fn measured_variance(
 ) -> Result<Image, PrefilterError> {
     let planes = feature_planes(stack)?;
     let size = stack.size();
+    let kept = share_like_neighbours(mean);
+    let low = with_shares(mean, &kept, |y, kept| y * kept);
     let CompletionSettings { noise_radius: radius, noise_likeness: likeness, noise_ridge: ridge, .. } = *settings;
     let fit = LocalFit { size, planes: &planes, radius, likeness, ridge };
     let squares: Vec<[f32; 3]> = (0..size.pixels())
         .into_par_iter()
-        .map_init(Vec::new, |kernel, pixel| squared_residual(&fit, mean, pixel, kernel))
+        .map_init(Vec::new, |kernel, pixel| squared_residual(&fit, &low, pixel, kernel))
         .collect();
     let squares = Image::from_channels(size, (0..3).map(|c| squares.iter().map(|s| s[c]).collect()).collect());
-    Ok(without_detail(squares, mean, settings.noise_detail))
+    let mut variance = without_detail(squares, &low, settings.noise_detail);
+    variance.add(&with_shares(mean, &kept, |y, kept| (y * (1.0 - kept)).powi(2)));
+    Ok(variance)
+}
+
+/// `change` of every value and its pixel's share.
+fn with_shares(image: &Image, shares: &[f32], change: impl Fn(f32, f32) -> f32) -> Image {
+    let planes = image.channels().iter();
+    let planes = planes.map(|plane| plane.iter().zip(shares).map(|(y, share)| change(*y, *share)).collect());
+    Image::from_channels(image.size(), planes.collect())
 }
 
 /// `squares` of residuals, less where `mean` is smoother along some line than the fit says: there are edges or textures

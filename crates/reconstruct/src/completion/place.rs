@@ -13,8 +13,7 @@ pub fn position_from_depth(depth: &Image) -> Image {
     let hit = |z: &f32| *z > 0.0 && *z < NOWHERE;
     let depths = &depth.channels()[0];
     let farthest = depths.iter().copied().filter(hit).fold(0.0, f32::max);
-    let depths: Vec<f32> =
-        depths.iter().map(|z| if hit(z) || z.is_nan() { *z } else { farthest }).collect();
+    let depths: Vec<f32> = depths.iter().map(|z| if hit(z) || z.is_nan() { *z } else { farthest }).collect();
     let screen = position_on_screen(size);
     let along = |c: usize| screen.channels()[c].iter().zip(&depths).map(|(place, z)| (place - 0.5) * z).collect();
     Image::from_channels(size, vec![along(0), along(1), depths.clone()])

@@ -23,15 +23,8 @@ pub enum Level {
 
 impl Level {
     /// All levels, richest first.
-    pub const ALL: [Self; 7] = [
-        Self::Buckets,
-        Self::Halves,
-        Self::Variance,
-        Self::Mean,
-        Self::NoPosition,
-        Self::AlbedoNormal,
-        Self::Colour,
-    ];
+    pub const ALL: [Self; 7] =
+        [Self::Buckets, Self::Halves, Self::Variance, Self::Mean, Self::NoPosition, Self::AlbedoNormal, Self::Colour];
 
     /// What is left, in words.
     pub const fn name(self) -> &'static str {
