@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use stack::{FeatureRole, FeatureStack, Image};
 
 use super::features::GuideFeatures;
+use crate::completion::has_depth;
 
 /// `features`, and where none of them tells surfaces apart (there is no normal, and positions lie on a plane before the
 /// camera) the logarithm of `picture`, `weight` times, as another: kernels then stay on pixels of like colour.
@@ -24,10 +25,4 @@ pub fn with_colour<'a>(
     guided.set.groups.push(first..first + 3);
     guided.surfaces.extend(first..first + 3);
     Cow::Owned(guided)
-}
-
-/// Whether positions are more than places on the screen.
-fn has_depth(stack: &FeatureStack) -> bool {
-    let position = stack.feature(FeatureRole::Position).and_then(|position| position.estimate.mean.channels().get(2));
-    position.is_some_and(|z| z.iter().any(|v| *v != z[0]))
 }

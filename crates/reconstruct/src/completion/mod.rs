@@ -18,6 +18,7 @@ use stack::{Component, Estimate, Feature, FeatureRole, FeatureStack, Image, Moni
 use crate::prefilter::PrefilterError;
 pub use lack::Lack;
 use noise::measured_variance;
+pub(crate) use place::has_depth;
 use place::{position_from_depth, position_on_screen};
 use roughness::roughness;
 
@@ -31,9 +32,11 @@ stack::knobs! {
         /// Ridge of such a fit.
         noise_ridge: f32 = 1e-3, 1e-9..=10.0;
         /// Noise is at most this multiple of how rough the picture is along its smoothest direction.
-        noise_detail: f32 = 1.0, 0.0..=1e6;
-        /// Multiple of its roughness that is taken for a feature's variance.
-        feature_noise: f32 = 1.0, 0.0..=1000.0;
+        noise_roughness: f32 = 1.0, 0.0..=1e6;
+        /// The same for colour without features, all of whose detail is rough.
+        colour_roughness: f32 = 0.5, 0.0..=1e6;
+        /// Multiple of a feature's roughness that is taken for its variance.
+        feature_roughness: f32 = 0.5, 0.0..=1000.0;
     }
 }
 
@@ -82,7 +85,7 @@ impl Completed<'_> {
 
     /// Gives every feature of unknown noise the variance that its roughness tells.
     fn measure_features(&mut self, settings: &CompletionSettings) {
-        if settings.feature_noise > 0.0 && self.stack.features.iter().any(|f| f.estimate.noise == Noise::Unknown) {
+        if settings.feature_roughness > 0.0 && self.stack.features.iter().any(|f| f.estimate.noise == Noise::Unknown) {
             let features = self.stack.to_mut().features.iter_mut();
             for feature in features.filter(|feature| feature.estimate.noise == Noise::Unknown) {
                 feature.estimate.noise = measured_roughness(&feature.estimate.mean, settings);
@@ -113,7 +116,7 @@ impl Completed<'_> {
 /// The noise of a feature, as its roughness tells it.
 fn measured_roughness(mean: &Image, settings: &CompletionSettings) -> Noise {
     let mut variance = roughness(mean);
-    variance.channels_mut().iter_mut().flatten().for_each(|v| *v *= settings.feature_noise);
+    variance.channels_mut().iter_mut().flatten().for_each(|v| *v *= settings.feature_roughness);
     Noise::VarianceOfMean(variance)
 }
 

@@ -1,10 +1,11 @@
 //! The noise of a picture of which only the mean is known.
 
 use rayon::prelude::*;
-use stack::{FeatureStack, Image};
+use stack::{FeatureRole, FeatureStack, Image};
 
 use super::CompletionSettings;
 use super::local_fit::LocalFit;
+use super::place::has_depth;
 use super::roughness::roughness;
 use crate::box_filter::box_mean;
 use crate::lone_light::share_like_neighbours;
@@ -35,7 +36,11 @@ pub fn measured_variance(
         .map_init(Vec::new, |kernel, pixel| squared_residual(&fit, &low, pixel, kernel))
         .collect();
     let squares = Image::from_channels(size, (0..3).map(|c| squares.iter().map(|s| s[c]).collect()).collect());
-    let mut variance = without_detail(squares, &low, settings.noise_detail);
+    let mut variance = without_detail(
+        squares,
+        &low,
+        if is_explained(stack) { settings.noise_roughness } else { settings.colour_roughness },
+    );
     variance.add(&with_shares(mean, &kept, |y, kept| (y * (1.0 - kept)).powi(2)));
     Ok(variance)
 }
@@ -60,6 +65,11 @@ fn without_detail(mut squares: Image, mean: &Image, factor: f32) -> Image {
         }
     }
     squares
+}
+
+/// Whether there is a feature that may explain detail: more than places on the screen.
+fn is_explained(stack: &FeatureStack) -> bool {
+    stack.features.iter().any(|feature| feature.role != FeatureRole::Position) || has_depth(stack)
 }
 
 /// The features on natural scales, not filtered: their noise is unknown, too.

@@ -1,6 +1,6 @@
 //! Where things are, when a stack does not say it in three coordinates.
 
-use stack::{Image, Size};
+use stack::{FeatureRole, FeatureStack, Image, Size};
 
 /// Depths from here on mean that nothing was hit: some renderers write 10¹⁰ or more there.
 const NOWHERE: f32 = 1e9;
@@ -27,6 +27,12 @@ pub fn position_on_screen(size: Size) -> Image {
     };
     let planes = vec![plane(&|p| p % size.width), plane(&|p| p / size.width), vec![0.0; size.pixels()]];
     Image::from_channels(size, planes)
+}
+
+/// Whether the positions of `stack` are more than places on the screen.
+pub fn has_depth(stack: &FeatureStack) -> bool {
+    let position = stack.feature(FeatureRole::Position).and_then(|position| position.estimate.mean.channels().get(2));
+    position.is_some_and(|z| z.iter().any(|v| *v != z[0]))
 }
 
 #[cfg(test)]

@@ -34,9 +34,6 @@ pub fn run(args: &ExperimentArgs, progress: &Progress) -> Result<Vec<Table>> {
         let folder = Folder::open(input)?;
         table.rows.push(row([&folder.name, "", "noisy"], &folder.judge(&folder.stack.beauty())?, None));
         for level in Level::ALL {
-            if std::env::var("DG_LEVELS").is_ok_and(|l| !l.split(',').any(|l| l == level.name())) {
-                continue;
-            }
             if let Some(stack) = level.of(&folder.stack) {
                 table.rows.extend(of_level(&folder, level, &stack, args, progress)?);
             }
@@ -54,10 +51,8 @@ fn of_level(
     progress: &Progress,
 ) -> Result<Vec<Vec<String>>> {
     let mut methods = vec![("best", args.settings()?)];
-    if std::env::var("DG_LEVELS").is_err() {
-        for (name, preset, flags) in RIVALS {
-            methods.push((name, settings(*preset, flags)?));
-        }
+    for (name, preset, flags) in RIVALS {
+        methods.push((name, settings(*preset, flags)?));
     }
     let mut rows = Vec::new();
     for (name, settings) in methods {
