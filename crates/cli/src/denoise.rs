@@ -120,6 +120,7 @@ impl Outcome<'_> {
             "spp": {"mean": mean, "min": min, "max": max},
             "seconds": self.seconds.iter().map(|(name, s)| (name.to_string(), json!(s))).collect::<serde_json::Map<_, _>>(),
             "stages": render::report::stages(progress),
+            "lacks": render::report::lacks(self.written),
             "estimated_rmse": render::report::estimated_rmse(self.written),
             "energy": render::report::energy(self.written),
             "peak_bytes": render::report::peak_bytes(),

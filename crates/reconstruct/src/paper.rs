@@ -27,11 +27,11 @@ pub fn rebuild(
     let input = RegressionInput { colour: &colour, variance: &variance, features, active: None };
     let regression = regress(&input, &settings.regression, monitor)?;
     Ok(Reconstruction {
-        picture: regression.picture,
         mse: regression.mse,
         spikes: Some(spikes),
         marked: marked.iter().filter(|marked| **marked).count(),
         bandwidth: Some(regression.bandwidth),
         rank: Some(regression.rank),
+        ..Reconstruction::plain(regression.picture)
     })
 }

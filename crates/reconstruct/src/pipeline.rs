@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use stack::{Component, ComponentRole, Estimate, FeatureStack, Image, Monitor, Noise};
 
 use crate::best::{Chooser, GuideFeatures};
+use crate::completion::{Completed, complete};
 use crate::components::{is_lit, sum_of_components, variance_of};
 use crate::emission::{rebuild_emission, with_emission_apart};
 use crate::method::{Fit, Method, MethodSettings};
@@ -19,8 +20,17 @@ use crate::{Settings, best, paper, rivals};
 /// Reconstructs the picture of `stack`: every component by itself, then their sum.
 ///
 /// # Errors
-/// When the noise of a component is unknown, there is no feature, or `monitor` cancels.
+/// When a feature does not fit its role or the stack, or `monitor` cancels.
 pub fn reconstruct(
+    stack: &FeatureStack,
+    settings: &Settings,
+    monitor: &dyn Monitor,
+) -> Result<Reconstruction, ReconstructError> {
+    let Completed { stack, lacks } = complete(stack, &settings.completion, monitor)?;
+    Ok(Reconstruction { lacks, ..by_method(&stack, settings, monitor)? })
+}
+
+fn by_method(
     stack: &FeatureStack,
     settings: &Settings,
     monitor: &dyn Monitor,
@@ -50,6 +60,23 @@ pub fn reconstruct_freeing(
     if (method, fit) != (Method::Ours, Fit::Collaborative) {
         return reconstruct(stack, settings, monitor);
     }
+    let Completed { stack: completed, lacks } = complete(stack, &settings.completion, monitor)?;
+    let made_up = match completed {
+        Cow::Borrowed(_) => None,
+        Cow::Owned(completed) => Some(completed),
+    };
+    let rebuilt = match made_up {
+        None => freeing(stack, settings, monitor)?,
+        Some(mut completed) => freeing(&mut completed, settings, monitor)?,
+    };
+    Ok(Reconstruction { lacks, ..rebuilt })
+}
+
+fn freeing(
+    stack: &mut FeatureStack,
+    settings: &Settings,
+    monitor: &dyn Monitor,
+) -> Result<Reconstruction, ReconstructError> {
     let features = best::guide_features(stack, &settings.best.features, monitor)?;
     stack.features.iter_mut().for_each(|feature| feature.estimate.noise = Noise::Unknown);
     let mut components = with_noise_of(&mut stack.components);

@@ -2,6 +2,7 @@
 
 use stack::{Cancelled, Fault, Image};
 
+use crate::completion::Lack;
 use crate::network::WeightsError;
 use crate::prefilter::PrefilterError;
 
@@ -21,13 +22,15 @@ pub struct Reconstruction {
     pub bandwidth: Option<Vec<f32>>,
     /// Rank k of its reduced feature space (eq. 12).
     pub rank: Option<Vec<f32>>,
+    /// What the stack lacked, and what was used in its stead.
+    pub lacks: Vec<Lack>,
 }
 
 impl Reconstruction {
     /// `picture`, of which nothing more is known and no error.
     pub fn plain(picture: Image) -> Self {
         let mse = vec![0.0; picture.pixels()];
-        Self { picture, mse, spikes: None, marked: 0, bandwidth: None, rank: None }
+        Self { picture, mse, spikes: None, marked: 0, bandwidth: None, rank: None, lacks: Vec::new() }
     }
 
     /// Adds a component; what there is of maps comes from whichever component has it.

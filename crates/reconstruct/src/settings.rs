@@ -1,6 +1,7 @@
 //! Every setting of the reconstruction.
 
 use crate::best::BestSettings;
+use crate::completion::CompletionSettings;
 use crate::method::MethodSettings;
 use crate::prefilter::PrefilterSettings;
 use crate::regression::RegressionSettings;
@@ -15,6 +16,8 @@ stack::knob_groups! {
     pub struct Settings {
         /// Which method is used.
         method: MethodSettings,
+        /// How noise is measured where a stack does not know it.
+        completion: CompletionSettings,
         /// How spikes are found and replaced.
         spikes: SpikeSettings,
         /// How features are freed of noise.

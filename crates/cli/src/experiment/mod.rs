@@ -3,6 +3,7 @@
 mod calibration;
 mod case;
 mod chooser;
+mod degrade;
 mod errormap;
 mod figures;
 mod fireflies;
@@ -44,6 +45,9 @@ pub enum Experiment {
     /// The paper's figures, a table and pictures each: what they compare, on the same samples; figures 10 and 11, whole
     /// renders, on scenes only. Inputs: folders as for stages, or scenes; without any, scenes/*.toml of this project.
     Figures,
+    /// What is left of quality as a stack knows less, from buckets down to colour alone. Inputs: folders as for stages,
+    /// perhaps with oidn.exr and oidn-colour.exr; b0.exr alone, and one reference, will do.
+    Degrade,
     /// Planted fireflies found, and marks where there are none, on synthetic pictures. No inputs.
     Fireflies,
     /// Trains the learning-based filter (--method lbf) on variations of scenes/*.toml of this project, writes its
@@ -79,6 +83,7 @@ pub fn run(args: &ExperimentArgs) -> Result<Verdict> {
         Experiment::Sequences => sequences::run(args, &progress)?,
         Experiment::Errormap => errormap::run(args, &progress)?,
         Experiment::Figures => figures::run(args, &progress)?,
+        Experiment::Degrade => degrade::run(args, &progress)?,
         Experiment::Fireflies => fireflies::run(&progress)?,
         Experiment::Lbf => learning::run(args, &progress)?,
         Experiment::Chooser => chooser::run(args, &progress)?,

@@ -16,6 +16,11 @@ pub struct Clock {
     pub total: f64,
 }
 
+/// What the stack lacked and what was used in its stead, a line each.
+pub fn lacks(written: &Written<'_>) -> Vec<String> {
+    written.reconstruction.iter().flat_map(|found| &found.lacks).map(ToString::to_string).collect()
+}
+
 /// The object `render --json` prints. Unknown values are `null`.
 pub fn render(
     outputs: &Outputs,

@@ -28,6 +28,11 @@ impl Parts {
     /// Two images whose sum is the picture.
     pub fn adding_up(mut images: [Image; 2]) -> Self {
         images.iter_mut().flat_map(Image::channels_mut).flatten().for_each(|v| *v *= 2.0);
+        Self::halves(images)
+    }
+
+    /// Two images whose mean is the picture.
+    pub fn halves(images: [Image; 2]) -> Self {
         let shares = vec![vec![0.5; images[0].pixels()]; 2];
         Self { images: images.to_vec(), shares }
     }

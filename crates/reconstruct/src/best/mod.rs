@@ -4,10 +4,13 @@
 //! Steps, one file each: what exceeds its surroundings goes to a sparse layer (`split`); features are freed of noise
 //! (`features`); a first regression guided by the other half (`first_pass`); the sparse layer is spread over pixels
 //! that resemble its own (`spread`); what the residual still holds is added (`cascade`), which makes a pilot picture; a
-//! second regression is guided by the pilot (`second_pass`); and the candidates are mixed by their error and a small network (`choice`).
+//! second regression is guided by the pilot (`second_pass`); and the candidates are mixed by their error and a small
+//! network (`choice`).
 
+mod alone;
 mod cascade;
 mod choice;
+mod colour_guide;
 mod error;
 mod features;
 mod first_pass;
@@ -20,14 +23,16 @@ mod settings;
 mod split;
 mod spread;
 #[cfg(test)]
-mod test_scene;
+pub(crate) mod test_scene;
 
 use std::borrow::Cow;
 
-use stack::{Component, FeatureStack, Image, Monitor};
+use stack::{Component, FeatureStack, Image, Monitor, Noise, SampleCounts};
 
+use self::alone::split_alone;
 use self::cascade::{Parts, add_significant_residual};
 use self::choice::Contest;
+use self::colour_guide::with_colour;
 use self::given::Given;
 use self::guided_kernel::GuidedKernel;
 use self::halves::{luminance, mean_of, sum_of};
@@ -35,6 +40,7 @@ use self::restore::restore_energy;
 use self::split::Layers;
 use crate::box_filter::box_mean;
 use crate::reconstruction::{ReconstructError, Reconstruction};
+use crate::recorruption::evenly_recorrupted_halves;
 
 pub use choice::{Chooser, trained, training};
 pub use error::share_unseen;
@@ -60,15 +66,15 @@ pub fn rebuild(
 ) -> Result<Reconstruction, ReconstructError> {
     let prepared = Prepared::new(stack, component, features, settings, monitor)?;
     monitor.begin("choice", 1);
-    let kernel = prepared.kernel(features, &settings.choice);
+    let kernel = prepared.kernel(&settings.choice);
     let halves = match prepared.candidates.as_slice() {
         [only] => only.clone(),
-        _ => choice::choose(&prepared.contest(features, &kernel), &settings.choice, chooser),
+        _ => choice::choose(&prepared.contest(&kernel), &settings.choice, chooser),
     };
     let mut picture = mean_of(&halves);
     if settings.restore.levels > 0 {
         let RestoreSettings { feature_scale, brightness, .. } = settings.restore;
-        let kernel = GuidedKernel::surfaces_and_brightness(features, &picture, feature_scale, brightness);
+        let kernel = GuidedKernel::surfaces_and_brightness(&prepared.features, &picture, feature_scale, brightness);
         restore_energy(&mut picture, &mean_of(&prepared.layers.halves), &kernel, &settings.restore);
     }
     picture.add(&prepared.spread);
@@ -83,7 +89,9 @@ pub fn rebuild(
 }
 
 /// Everything up to the choice.
-pub(crate) struct Prepared {
+pub(crate) struct Prepared<'a> {
+    /// What tells surfaces apart.
+    features: Cow<'a, GuideFeatures>,
     layers: Layers,
     /// Spread events.
     spread: Image,
@@ -94,18 +102,18 @@ pub(crate) struct Prepared {
     candidates: Vec<[Image; 2]>,
 }
 
-impl Prepared {
+impl<'a> Prepared<'a> {
     /// All steps up to the choice.
     fn new(
         stack: &FeatureStack,
         component: Cow<'_, Component>,
-        features: &GuideFeatures,
+        features: &'a GuideFeatures,
         settings: &BestSettings,
         monitor: &dyn Monitor,
     ) -> Result<Self, ReconstructError> {
         monitor.begin("spikes", 1);
-        let layers = split::split(&component, &stack.samples, &settings.split)?;
-        let groups = component.radiance.groups(&stack.samples, CASCADE_GROUPS);
+        let layers = layers_of(&component, stack, settings)?;
+        let parts = parts_of(&component, &stack.samples);
         drop(component);
         let noise = relative_noise(&layers);
         let samples = share_of_samples(&stack.samples.total, &settings.regression);
@@ -113,12 +121,12 @@ impl Prepared {
         let first = first_pass::first_pass(&given, &settings.regression, monitor)?;
         monitor.begin("spread", 1);
         let mut pilot = mean_of(&first);
-        let events = spread::spread(&layers.events, &pilot, features, &settings.spread);
-        let spread = spread::steadied(events.halves, &pilot, features, &settings.spread, monitor)?;
+        let surfaces = with_colour(features, stack, &pilot, settings.colour.guide);
+        let events = spread::spread(&layers.events, &pilot, &surfaces, &settings.spread);
+        let spread = spread::steadied(events.halves, &pilot, &surfaces, &settings.spread, monitor)?;
         pilot.add(&spread);
-        if let Some(groups) = groups {
-            let parts = Parts::new(groups, &stack.samples);
-            let kernel = GuidedKernel::surfaces(features, settings.cascade.feature_scale);
+        if let Some(parts) = parts {
+            let kernel = GuidedKernel::surfaces(&surfaces, settings.cascade.feature_scale);
             let brightness = pilot.clone();
             add_significant_residual(&mut pilot, parts, &brightness, &kernel, &settings.cascade, monitor)?;
         }
@@ -127,18 +135,35 @@ impl Prepared {
             candidates = second_pass::second_pass(&given, &pilot, &first, &settings.regression, monitor)?;
         }
         candidates.insert(0, first);
-        Ok(Self { layers, spread, event_variance: events.variance, pilot, candidates })
+        Ok(Self { features: surfaces, layers, spread, event_variance: events.variance, pilot, candidates })
     }
 
     /// What smooths the evidence for a choice.
-    fn kernel(&self, features: &GuideFeatures, settings: &ChoiceSettings) -> GuidedKernel {
+    fn kernel(&self, settings: &ChoiceSettings) -> GuidedKernel {
         let ChoiceSettings { feature_scale, brightness, .. } = *settings;
-        GuidedKernel::surfaces_and_brightness(features, &self.pilot, feature_scale, brightness)
+        GuidedKernel::surfaces_and_brightness(&self.features, &self.pilot, feature_scale, brightness)
     }
 
-    fn contest<'a>(&'a self, features: &'a GuideFeatures, kernel: &'a GuidedKernel) -> Contest<'a> {
-        let Self { layers, pilot, candidates, .. } = self;
+    fn contest<'b>(&'b self, kernel: &'b GuidedKernel) -> Contest<'b> {
+        let Self { features, layers, pilot, candidates, .. } = self;
         Contest { candidates, layers, kernel, pilot, features }
+    }
+}
+
+/// Both layers: by buckets where there are any, else by what is known of the mean.
+fn layers_of(component: &Component, stack: &FeatureStack, settings: &BestSettings) -> Result<Layers, ReconstructError> {
+    match &component.radiance.noise {
+        Noise::VarianceOfMean(variance) => Ok(split_alone(&component.radiance.mean, variance)),
+        _ => split::split(component, &stack.samples, &settings.split),
+    }
+}
+
+/// Independent parts of a component for the cascade.
+fn parts_of(component: &Component, samples: &SampleCounts) -> Option<Parts> {
+    let radiance = &component.radiance;
+    match &radiance.noise {
+        Noise::VarianceOfMean(variance) => Some(Parts::halves(evenly_recorrupted_halves(&radiance.mean, variance))),
+        _ => radiance.groups(samples, CASCADE_GROUPS).map(|groups| Parts::new(groups, samples)),
     }
 }
 

@@ -13,6 +13,15 @@ stack::knobs! {
 }
 
 stack::knobs! {
+    /// What guides kernels where no feature tells surfaces apart.
+    pub struct ColourSettings("colour") {
+        /// Weight of a difference in the logarithm of the first pass's picture against one in features; 0 leaves it to the
+        /// brightness that each step looks at.
+        guide: f32 = 0.5, 0.0..=100.0;
+    }
+}
+
+stack::knobs! {
     /// How features are freed of noise before they guide a collaborative fit.
     pub struct FeatureSettings("features") {
         /// Bandwidth k of the non-local means.
@@ -137,6 +146,8 @@ stack::knob_groups! {
     pub struct BestSettings {
         /// Low layer and events.
         split: SplitSettings,
+        /// Kernels without features.
+        colour: ColourSettings,
         /// Features.
         features: FeatureSettings,
         /// Regressions.

@@ -12,7 +12,7 @@ use crate::reconstruction::ReconstructError;
 use crate::variance::{known_everywhere, steadied};
 
 /// Least variance of a half.
-const LEAST_VARIANCE: f32 = 1e-7;
+pub const LEAST_VARIANCE: f32 = 1e-7;
 
 /// Least luminance that anything is cut at.
 const LEAST_CAP: f32 = 1e-4;
@@ -163,7 +163,8 @@ impl SplitTask<'_> {
     fn cap(&self, pixel: usize) -> f32 {
         let reached = self.settings.factor * self.reached_around(pixel);
         let mut own: Vec<f32> = self.filled(pixel).map(|bucket| self.luminances[bucket][pixel]).collect();
-        let quartile = (own.len() * 3 / 4).min(own.len().saturating_sub(1));
+        // Never the largest: a firefly in one of two halves is the upper one.
+        let quartile = (own.len() * 3 / 4).min(own.len().saturating_sub(2));
         let quartile = if own.is_empty() { 0.0 } else { *own.select_nth_unstable_by(quartile, f32::total_cmp).1 };
         reached.max(quartile).max(LEAST_CAP)
     }

@@ -15,7 +15,7 @@ mod selection;
 #[cfg(test)]
 mod tests;
 
-use stack::{Cancelled, Component, FeatureStack, Image, Monitor, SampleCounts, Size};
+use stack::{Cancelled, Component, FeatureStack, Image, Monitor, Noise, SampleCounts, Size};
 
 use crate::Settings;
 use crate::box_filter::box_mean;
@@ -24,6 +24,7 @@ use crate::components::variance_of;
 use crate::patch_distance::Comparison;
 use crate::prefilter::FeatureSet;
 use crate::reconstruction::{ReconstructError, Reconstruction};
+use crate::recorruption::recorrupted_halves;
 use features::{FeatureHalves, final_features, half_features};
 use selection::{Candidate, select};
 
@@ -66,9 +67,14 @@ pub fn rebuild(
     settings: &Settings,
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
-    let halves = component.radiance.halves(&stack.samples);
-    let halves = halves.ok_or(ReconstructError::NoBuckets { layer: component.role.layer() })?;
-    let halves = whole_halves(halves, &component.radiance.mean, &stack.samples);
+    let halves = match &component.radiance.noise {
+        Noise::VarianceOfMean(variance) => recorrupted_halves(&component.radiance.mean, variance),
+        _ => {
+            let halves = component.radiance.halves(&stack.samples);
+            let halves = halves.ok_or(ReconstructError::NoBuckets { layer: component.role.layer() })?;
+            whole_halves(halves, &component.radiance.mean, &stack.samples)
+        }
+    };
     let colour = ColourHalves { halves, variance: variance_of_half(variance_of(stack, component)?) };
     let features = half_features(stack, monitor)?;
     let (picture, mse) = denoised(&colour, &features, &settings.nfor, monitor)?;

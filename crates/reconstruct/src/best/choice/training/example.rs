@@ -68,8 +68,8 @@ impl Example {
         let component = stack.component(ComponentRole::Scattered).ok_or(ReconstructError::NoiseUnknown { layer })?;
         let features = guide_features(stack, &settings.features, monitor)?;
         let prepared = Prepared::new(stack, Cow::Borrowed(component), &features, settings, monitor)?;
-        let kernel = prepared.kernel(&features, &settings.choice);
-        let contest = prepared.contest(&features, &kernel);
+        let kernel = prepared.kernel(&settings.choice);
+        let contest = prepared.contest(&kernel);
         let inputs = Inputs::new(&contest, &settings.choice);
         let pixels = sampled(&unlit(stack), seed);
         let blocks: Vec<Block> = pixels.iter().map(|pixels| inputs.block(pixels)).collect();

@@ -1,0 +1,124 @@
+//! What a stack lacks, made up from what it has, so that every method can rebuild any stack.
+//!
+//! Most renderers' files say nothing about noise, and many hold no position. Steps, one file each: where nothing is known
+//! about the noise of colour it is measured on the picture (`noise`), by what a local fit (`local_fit`) leaves of each
+//! pixel; positions come from depth or, without it, from the screen (`place`). [`crate::recorruption`] makes half-buffers
+//! of a mean and its variance.
+
+mod lack;
+mod local_fit;
+mod noise;
+mod place;
+mod roughness;
+
+use std::borrow::Cow;
+
+use stack::{Component, Estimate, Feature, FeatureRole, FeatureStack, Image, Monitor, Noise};
+
+use crate::prefilter::PrefilterError;
+pub use lack::Lack;
+use noise::measured_variance;
+pub(crate) use place::has_depth;
+use place::{position_from_depth, position_on_screen};
+use roughness::roughness;
+
+stack::knobs! {
+    /// How noise is measured on a picture of which nothing else is known.
+    pub struct CompletionSettings("completion") {
+        /// Radius of the windows in which noise is what a local fit does not explain, in pixels.
+        noise_radius: usize = 2, 1..=8;
+        /// Pixels whose features differ by more than this are left out of such a fit.
+        noise_likeness: f32 = 0.1, 0.001..=100.0;
+        /// Ridge of such a fit.
+        noise_ridge: f32 = 1e-3, 1e-9..=10.0;
+        /// Noise is at most this multiple of how rough the picture is along its smoothest direction.
+        noise_roughness: f32 = 1.0, 0.0..=1e6;
+        /// The same for colour without features, all of whose detail is rough.
+        colour_roughness: f32 = 0.5, 0.0..=1e6;
+        /// Multiple of a feature's roughness that is taken for its variance.
+        feature_roughness: f32 = 0.5, 0.0..=1000.0;
+    }
+}
+
+/// A stack that has all that a reconstruction needs, and what it had to do without.
+#[derive(Clone, Debug)]
+pub struct Completed<'a> {
+    /// The stack, with a position and with noise of known variance.
+    pub stack: Cow<'a, FeatureStack>,
+    /// What was made up.
+    pub lacks: Vec<Lack>,
+}
+
+/// Completes `stack`: it comes back as it is where it lacks nothing.
+///
+/// # Errors
+/// When a feature does not fit its role or the stack.
+pub fn complete<'a>(
+    stack: &'a FeatureStack,
+    settings: &CompletionSettings,
+    monitor: &dyn Monitor,
+) -> Result<Completed<'a>, PrefilterError> {
+    let mut completed = Completed { stack: Cow::Borrowed(stack), lacks: Vec::new() };
+    completed.measure_features(settings);
+    if stack.feature(FeatureRole::Position).is_none() {
+        completed.add_position(settings);
+    }
+    completed.measure_noise(settings)?;
+    completed.lacks.iter().for_each(|lack| monitor.note(&lack.to_string()));
+    Ok(completed)
+}
+
+impl Completed<'_> {
+    fn add_position(&mut self, settings: &CompletionSettings) {
+        let (size, depth) = (self.stack.size(), self.stack.feature(FeatureRole::Depth));
+        let (lack, estimate) = match depth {
+            Some(depth) => {
+                let mean = position_from_depth(&depth.estimate.mean);
+                let noise = measured_roughness(&mean, settings);
+                (Lack::POSITION, Estimate { mean, noise })
+            }
+            None => (Lack::PLACE, Estimate { mean: position_on_screen(size), noise: Noise::Unknown }),
+        };
+        self.lacks.push(if self.stack.features.is_empty() { Lack::FEATURES } else { lack });
+        self.stack.to_mut().features.insert(0, Feature { role: FeatureRole::Position, estimate });
+    }
+
+    /// Gives every feature of unknown noise the variance that its roughness tells.
+    fn measure_features(&mut self, settings: &CompletionSettings) {
+        if settings.feature_roughness > 0.0 && self.stack.features.iter().any(|f| f.estimate.noise == Noise::Unknown) {
+            let features = self.stack.to_mut().features.iter_mut();
+            for feature in features.filter(|feature| feature.estimate.noise == Noise::Unknown) {
+                feature.estimate.noise = measured_roughness(&feature.estimate.mean, settings);
+            }
+        }
+    }
+
+    fn measure_noise(&mut self, settings: &CompletionSettings) -> Result<(), PrefilterError> {
+        let lacking = |component: &Component| component.radiance.noise == Noise::Unknown;
+        let unknown = self.stack.components.iter().filter(|component| lacking(component));
+        let mut variances = Vec::new();
+        for component in unknown {
+            variances.push(measured_variance(&component.radiance.mean, &self.stack, settings)?);
+        }
+        if !variances.is_empty() {
+            self.lacks.push(Lack::NOISE);
+            let components = self.stack.to_mut().components.iter_mut().filter(|component| lacking(component));
+            for (component, variance) in components.zip(variances) {
+                component.radiance.noise = Noise::VarianceOfMean(variance);
+            }
+        } else if self.stack.components.iter().any(|c| matches!(c.radiance.noise, Noise::VarianceOfMean(_))) {
+            self.lacks.push(Lack::HALVES);
+        }
+        Ok(())
+    }
+}
+
+/// The noise of a feature, as its roughness tells it.
+fn measured_roughness(mean: &Image, settings: &CompletionSettings) -> Noise {
+    let mut variance = roughness(mean);
+    variance.channels_mut().iter_mut().flatten().for_each(|v| *v *= settings.feature_roughness);
+    Noise::VarianceOfMean(variance)
+}
+
+#[cfg(test)]
+mod tests;
