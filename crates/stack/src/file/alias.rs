@@ -67,6 +67,8 @@ pub const RENDERERS: &[Renderer] = &[
             (NORMAL, &["denoisingnormal", "normal"]),
             // Other distances than that of the first surface would not fit the position: behind a mirror, say.
             (DEPTH, &["denoisingdepth", "depth", "z"]),
+            // Blender 2.79 and 2.8: how much of the light a surface would get reaches it.
+            (VISIBILITY, &["denoisingshadowing"]),
             (Role::Emission, &["emission", "emit"]),
             (Role::Samples, &["debugsamplecount", "samplecount"]),
         ],
@@ -111,12 +113,7 @@ pub const RENDERERS: &[Renderer] = &[
     },
     Renderer {
         name: "LuxCore",
-        signs: &[
-            Sign::Layers(&["avgshadingnormal"]),
-            Sign::Layers(&["shadingnormal", "samplecount"]),
-            Sign::Layers(&["rgbimagepipeline"]),
-            Sign::Layers(&["albedo", "samplecount"]),
-        ],
+        signs: &[Sign::Layers(&["avgshadingnormal"]), Sign::Layers(&["rgbimagepipeline"])],
         means: &[
             (Role::Colour, &["noisy", "rgb", "rgba", "rgbimagepipeline", "rgbaimagepipeline"]),
             (POSITION, &["position"]),

@@ -46,7 +46,7 @@ fn has_unit_vectors(layers: &Layers, layer: &LayerNames) -> Option<bool> {
     let lengths: Vec<f64> = lengths.filter(|length| *length > 0.0).collect();
     let unit = lengths.iter().filter(|length| (*length - 1.0).abs() < 0.01).count() as f64;
     let within = lengths.iter().all(|length| *length < 1.01);
-    (!lengths.is_empty()).then(|| within && unit >= UNIT_SHARE * lengths.len() as f64)
+    (!lengths.is_empty()).then_some(within && unit >= UNIT_SHARE * lengths.len() as f64)
 }
 
 fn is_reflectance(layers: &Layers, layer: &LayerNames) -> bool {

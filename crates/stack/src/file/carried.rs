@@ -75,7 +75,7 @@ impl Carried {
     }
 
     fn custom(&self, name: &str) -> Option<&AttributeValue> {
-        self.all().find_map(|(n, value)| (n.to_string() == name).then_some(value))
+        self.all().find_map(|(n, value)| (*n == *name).then_some(value))
     }
 
     /// Attributes for a file of one part that covers `window` of `film`, and the names of the custom ones.

@@ -35,7 +35,7 @@ impl Spp {
 pub fn take_spp(layers: &mut Layers, recognised: &Recognised, given: Option<u32>) -> Option<Spp> {
     let pixels = layers.window.size.pixels();
     let number = given.map(|n| (f64::from(n), "--spp".to_string())).or_else(|| attribute(layers, recognised));
-    let plane = recognised.mean(Role::Samples).and_then(|found| layers.take(&found.channels[0]));
+    let plane = recognised.mean(Role::Samples).and_then(|found| layers.take_scalar(&found.channels[0]));
     let layer = || recognised.mean(Role::Samples).map_or_else(String::new, |found| found.channels[0].clone());
     let is_fraction = plane.as_ref().is_some_and(|plane| plane.iter().all(|v| *v <= 1.0));
     match (plane, number) {

@@ -96,7 +96,7 @@ pub enum FileError {
         candidates: String,
     },
     /// Files that are no stack together.
-    #[error("{reason}; say what they are with role=FILE")]
+    #[error("{reason}; say what they are with role=FILE, or give a folder as output for several pictures")]
     Unclear {
         /// What is unclear about them.
         reason: String,

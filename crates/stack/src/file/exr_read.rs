@@ -5,7 +5,7 @@
 
 use std::collections::HashSet;
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{BufReader, Read, Seek};
 use std::path::Path;
 
 use exr::block::UncompressedBlock;
@@ -34,11 +34,15 @@ const MOST_CHANNELS: usize = 1 << 14;
 /// channels, parts of different size).
 pub fn read_exr(path: &Path) -> Result<Layers, FileError> {
     let file = File::open(path).map_err(|source| FileError::io(path, "read", source))?;
+    read_exr_from(path, BufReader::new(file))
+}
+
+/// As [`read_exr`], from anywhere; `path` is what messages call it.
+pub(super) fn read_exr_from(path: &Path, source: impl Read + Seek) -> Result<Layers, FileError> {
     let damaged = |error| understand(path, error);
-    let reader = exr::block::read(BufReader::new(file), false).map_err(damaged)?;
+    let reader = exr::block::read(source, false).map_err(damaged)?;
     let headers = reader.headers().to_vec();
     let mut layers = frame(path, &headers)?;
-    // What is read twice is an animation of the first level only.
     let chunks = reader.filter_chunks(false, |_, _, block| block.level == Vec2(0, 0)).map_err(damaged)?;
     let mut parts: Vec<Vec<FlatSamples>> = headers.iter().map(planes).collect();
     let (mut chunks, mut seen) = (chunks.into_iter(), HashSet::new());

@@ -105,7 +105,10 @@ fn noise_of(estimate: &Estimate) -> String {
 }
 
 fn role_text(found: &FoundRole) -> String {
-    let layer = layer_name(&found.channels);
+    let layer = match &found.channels[..] {
+        [only] => only.clone(),
+        several => layer_name(several),
+    };
     let guess = if found.guessed { ", guessed" } else { "" };
     let noise = match (found.noise.as_str(), &found.from) {
         ("", _) => String::new(),

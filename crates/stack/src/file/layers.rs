@@ -81,6 +81,19 @@ impl Layers {
         Some(to_f32(self.channels.remove(at).samples))
     }
 
+    /// Takes the channel called `name` out, and where it is the red of a scalar that is repeated in all three (LuxCore)
+    /// its copies, too.
+    pub(super) fn take_scalar(&mut self, name: &str) -> Option<Vec<f32>> {
+        let plane = self.take(name)?;
+        let copies = name.strip_suffix('R').map(|layer| ["G", "B"].map(|end| format!("{layer}{end}")));
+        let is_copy = |channel: &Passthrough| {
+            copies.as_ref().is_some_and(|copies| copies.contains(&channel.name))
+                && (0..plane.len()).all(|pixel| channel.value(pixel).to_bits() == plane[pixel].to_bits())
+        };
+        self.channels.retain(|channel| !is_copy(channel));
+        Some(plane)
+    }
+
     /// Whether there is a channel called `name`.
     pub fn has(&self, name: &str) -> bool {
         self.channels.iter().any(|channel| channel.name == name)

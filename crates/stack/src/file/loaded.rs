@@ -163,7 +163,13 @@ impl Taking<'_> {
     }
 
     fn image(&mut self, names: &[String]) -> Option<Image> {
-        take_image(self.layers, names)
+        match names {
+            [only] => {
+                let plane = self.layers.take_scalar(only)?;
+                Some(Image::from_channels(self.layers.window.size, vec![plane]))
+            }
+            several => take_image(self.layers, several),
+        }
     }
 }
 

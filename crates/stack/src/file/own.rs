@@ -59,7 +59,7 @@ pub fn read_own(mut layers: Layers, header: StackHeader) -> Result<ReadStack, Fi
     let Layers { window, film, channels: passthrough, carried, .. } = layers;
     let stack = FeatureStack { window, film, samples, components, features, passthrough };
     let found = found_in(&stack);
-    Ok(ReadStack { stack, header: Some(header), notes: Vec::new(), found, carried })
+    Ok(ReadStack { stack, header: Some(header), notes: found.lines(), found, carried })
 }
 
 fn missing(wanted: &'static str, expected: &str, layers: &Layers) -> FileError {

@@ -2,8 +2,9 @@
 
 use super::alias::{ANYBODY, GEOMETRIC_WORDS, OTHER_WORDS, RENDERERS, Renderer, SHADING_WORDS, Sign, WORDS};
 use super::by_value::by_value;
-use super::layer_list::{LayerNames, layer_list, normalise, words};
+use super::layer_list::{LayerNames, layer_list, words};
 use super::role::{Convention, Measure, Role, Slot};
+use super::slot_names::slot_of;
 use super::{FileError, Layers};
 use crate::FeatureRole;
 
@@ -122,7 +123,9 @@ impl<'a> Search<'a> {
         if !self.is_open(slot) {
             return if self.found.iter().any(|m| m.slot == slot) { Ok(()) } else { Err(self.no_colour()) };
         }
-        if let Some(layer) = self.by_name(self.renderer, slot)? {
+        if self.renderer.name != ANYBODY.name
+            && let Some(layer) = self.by_name(self.renderer, slot)?
+        {
             self.take(slot, layer, false);
             return Ok(());
         }
@@ -333,7 +336,7 @@ impl<'a> Search<'a> {
             slot: slot.to_string(),
             layer: prefix.into(),
             count: slot.role.channels(),
-            found: self.list.iter().map(|layer| shown(layer)).collect::<Vec<_>>().join(", "),
+            found: self.list.iter().map(shown).collect::<Vec<_>>().join(", "),
         }
     }
 
@@ -351,34 +354,5 @@ fn shown(layer: &LayerNames) -> String {
         "the channels without a layer (--map ROLE=)".into()
     } else {
         format!("'{}'", layer.name)
-    }
-}
-
-/// What a layer or file of the name `name` is in the language of any renderer: a slot, or nothing where it is known to
-/// be something else.
-pub(super) fn slot_of(name: &str) -> Option<Option<Slot>> {
-    let key = normalise(name);
-    let tables = || RENDERERS.iter().chain([&ANYBODY]);
-    let mean = tables().find_map(|table| {
-        let (role, _) = table.means.iter().find(|(_, names)| names.contains(&key.as_str()))?;
-        Some(Slot { role: *role, measure: Measure::Mean })
-    });
-    let noise = || {
-        tables().find_map(|table| {
-            let (role, measure, _) = table.noise.iter().find(|(.., names)| names.contains(&key.as_str()))?;
-            Some(Slot { role: *role, measure: *measure })
-        })
-    };
-    let ended = || {
-        tables().flat_map(|table| table.endings).find_map(|(ending, measure)| {
-            let of = key.strip_suffix(ending).filter(|of| of.len() > 1)?;
-            let named = tables().find_map(|t| t.means.iter().find(|(_, names)| names.contains(&of)))?;
-            Some(Slot { role: named.0, measure: *measure })
-        })
-    };
-    let other = || tables().any(|table| table.others.contains(&key.as_str()));
-    match mean.or_else(noise).or_else(ended) {
-        Some(slot) => Some(Some(slot)),
-        None => other().then_some(None),
     }
 }

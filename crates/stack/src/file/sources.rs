@@ -3,8 +3,9 @@
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
-use super::recognise::{Mapping, slot_of};
+use super::recognise::Mapping;
 use super::role::{Measure, Role, Slot};
+use super::slot_names::slot_of;
 use super::{FileError, Layers};
 
 /// A file that is read, and what it is when the user says so.

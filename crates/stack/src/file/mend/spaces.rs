@@ -44,11 +44,11 @@ pub fn to_world_space(matrix: &[f32; 16], position: &Image, normal: &Image, imag
 }
 
 impl Rigid {
-    fn to_world_direction(&self, v: [f32; 3]) -> [f32; 3] {
+    fn to_world_direction(self, v: [f32; 3]) -> [f32; 3] {
         [0, 1, 2].map(|column| (0..3).map(|row| self.rotation[row][column] * v[row]).sum())
     }
 
-    fn to_world_point(&self, p: [f32; 3]) -> [f32; 3] {
+    fn to_world_point(self, p: [f32; 3]) -> [f32; 3] {
         self.to_world_direction([0, 1, 2].map(|c| p[c] - self.translation[c]))
     }
 }
