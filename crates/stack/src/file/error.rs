@@ -121,6 +121,14 @@ pub enum FileError {
         /// The other.
         second: PathBuf,
     },
+    /// Sample counts that are neither one for all nor one for each.
+    #[error("--spp: {given} numbers for {renders}; expected one for all, or one for each half or bucket")]
+    SampleCounts {
+        /// How many numbers were given.
+        given: usize,
+        /// What they are for.
+        renders: String,
+    },
     /// Fewer buckets than any noise estimate needs.
     #[error("{found} bucket given, at least 2 are needed; give more independent renders of the same picture")]
     TooFewBuckets {
@@ -135,7 +143,7 @@ impl FileError {
         match self {
             Self::Io { action: "read", .. } => Fault::Input,
             Self::Io { .. } => Fault::Machine,
-            Self::TooFewBuckets { .. } | Self::Unclear { .. } => Fault::Usage,
+            Self::TooFewBuckets { .. } | Self::Unclear { .. } | Self::SampleCounts { .. } => Fault::Usage,
             _ => Fault::Input,
         }
     }

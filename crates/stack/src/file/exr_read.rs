@@ -5,7 +5,7 @@
 
 use std::collections::HashSet;
 use std::fs::File;
-use std::io::{BufReader, Read, Seek};
+use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use exr::block::UncompressedBlock;
@@ -13,7 +13,7 @@ use exr::block::chunk::Chunk;
 use exr::block::lines::LineRef;
 use exr::meta::attribute::SampleType;
 use exr::meta::header::Header;
-use exr::prelude::{FlatSamples, Text, Vec2, f16};
+use exr::prelude::{Compression, FlatSamples, Text, Vec2, f16};
 use rayon::prelude::*;
 
 use super::layers::METADATA;
@@ -23,6 +23,12 @@ use crate::{Size, Window};
 
 /// Blocks that are decoded at a time: enough for many threads, few enough not to hold the file twice.
 const BATCH: usize = 64;
+
+/// Bytes that one byte of a file can stand for: deflate reaches 1032, the others of bounded codecs less.
+const MOST_COMPRESSED: u128 = 1100;
+
+/// Bytes that any file may claim.
+const SLACK: u128 = 1 << 20;
 
 /// Channels a file may have; more are a mistake, or malice.
 const MOST_CHANNELS: usize = 1 << 14;
@@ -38,11 +44,14 @@ pub fn read_exr(path: &Path) -> Result<Layers, FileError> {
 }
 
 /// As [`read_exr`], from anywhere; `path` is what messages call it.
-pub(super) fn read_exr_from(path: &Path, source: impl Read + Seek) -> Result<Layers, FileError> {
+pub(super) fn read_exr_from(path: &Path, mut source: impl Read + Seek) -> Result<Layers, FileError> {
     let damaged = |error| understand(path, error);
+    let length = source.seek(SeekFrom::End(0)).and_then(|length| source.rewind().map(|()| length));
+    let length = length.map_err(|source| FileError::io(path, "read", source))?;
     let reader = exr::block::read(source, false).map_err(damaged)?;
     let headers = reader.headers().to_vec();
     let mut layers = frame(path, &headers)?;
+    check_length(path, &headers, length)?;
     let chunks = reader.filter_chunks(false, |_, _, block| block.level == Vec2(0, 0)).map_err(damaged)?;
     let mut parts: Vec<Vec<FlatSamples>> = headers.iter().map(planes).collect();
     let (mut chunks, mut seen) = (chunks.into_iter(), HashSet::new());
@@ -74,6 +83,17 @@ pub(super) fn read_exr_from(path: &Path, source: impl Read + Seek) -> Result<Lay
 
 fn requirements(headers: &[Header], path: &Path) -> Result<exr::meta::Requirements, FileError> {
     exr::meta::MetaData::validate(headers, false).map_err(|error| understand(path, error))
+}
+
+/// Refuses a file of `length` bytes that is too short for the pixels its headers claim, before room is made for them.
+fn check_length(path: &Path, headers: &[Header], length: u64) -> Result<(), FileError> {
+    let most = u128::from(length) * MOST_COMPRESSED + SLACK;
+    let is_bounded = |header: &&Header| !matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_));
+    let bytes = |header: &Header| header.layer_size.area() as u128 * header.channels.bytes_per_pixel as u128;
+    if headers.iter().filter(is_bounded).map(bytes).sum::<u128>() > most {
+        return Err(broken(path, "it is too short for the size its header claims"));
+    }
+    Ok(())
 }
 
 /// Everything but the pixels, after checks that nothing will be asked for that cannot be had.

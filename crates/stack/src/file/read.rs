@@ -41,6 +41,7 @@ pub enum Inputs {
 /// # Errors
 /// When a file cannot be read, has no colour, does not fit the others, or leaves open what is what.
 pub fn read_inputs(inputs: &Inputs, options: &ReadOptions) -> Result<ReadStack, FileError> {
+    check_counts(inputs, options)?;
     match inputs {
         Inputs::Files(files) => read_files(files, options),
         Inputs::Halves(halves, features) => read_halves(halves, features, options),
@@ -51,6 +52,16 @@ pub fn read_inputs(inputs: &Inputs, options: &ReadOptions) -> Result<ReadStack, 
             several(load_renders(paths, options)?, paths, &options.spp, false)
         }
     }
+}
+
+fn check_counts(inputs: &Inputs, options: &ReadOptions) -> Result<(), FileError> {
+    let (renders, name) = match inputs {
+        Inputs::Files(_) => (1, "one render".to_string()),
+        Inputs::Halves(..) => (2, "two halves".to_string()),
+        Inputs::Buckets(paths) => (paths.len(), format!("{} buckets", paths.len())),
+    };
+    let given = options.spp.len();
+    if given > 1 && given != renders { Err(FileError::SampleCounts { given, renders: name }) } else { Ok(()) }
 }
 
 /// Reads a stack from one file.

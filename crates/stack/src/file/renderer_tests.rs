@@ -444,6 +444,8 @@ fn halves_of_different_lengths_and_features_from_elsewhere() {
     let options = ReadOptions { spp: vec![1, 3], ..ReadOptions::default() };
     let read = read_inputs(&inputs, &options).unwrap();
     assert_eq!(read.stack.samples.dealing, Dealing::PerBucket(vec![1, 3]));
+    let options = ReadOptions { spp: vec![1, 3, 5], ..ReadOptions::default() };
+    assert!(matches!(read_inputs(&inputs, &options), Err(FileError::SampleCounts { given: 3, .. })));
     let same = Inputs::Halves([a.clone(), a], Vec::new());
     assert!(matches!(read_inputs(&same, &ReadOptions::default()), Err(FileError::SameNoise { .. })));
 }
