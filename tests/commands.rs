@@ -190,3 +190,57 @@ fn buckets_of_another_renderer_are_denoised() {
     let cross = |i: usize| report["images"][i]["rmse_cross"].as_f64().unwrap();
     assert!(cross(0) < cross(1) / 8.0, "less than the noise of all eight buckets: {} against {}", cross(0), cross(1));
 }
+
+#[test]
+fn two_renders_are_halves_and_what_was_found_is_reported() {
+    let workplace = Workplace::new();
+    for (seed, (name, spp)) in [("a", 8), ("b", 4)].into_iter().enumerate() {
+        let line = format!("render box.obj --size 24x20 --spp {spp} --seed {seed} --uniform --no-denoise");
+        workplace.must(&format!("{line} -o {name}.exr --quiet"));
+    }
+    let run =
+        workplace.must("denoise --half-a a.exr --half-b b.exr -o out.exr --method ld --json --require noise,buckets");
+    let report = json(&run.stdout());
+    assert_eq!(report["found"]["roles"][0]["noise"], "2 buckets");
+    assert_eq!(report["spp"]["mean"].as_f64(), Some(12.0));
+    assert!(run.stderr().contains("found a Tamis stack: colour"), "{}", run.stderr());
+    workplace.must("denoise out.exr -o again.exr --quiet");
+    assert_eq!(workplace.bytes("out.exr"), workplace.bytes("again.exr"), "unequal halves are read as they were");
+    let run = workplace.tamis("denoise a.exr -o c.exr --require variance");
+    assert_eq!((run.code(), run.errors().len()), (Some(2), 1), "{}", run.stderr());
+}
+
+#[test]
+fn many_pictures_go_on_after_a_bad_one() {
+    let workplace = Workplace::new();
+    for seed in 1..=2 {
+        workplace.must(&format!(
+            "render box.obj --size 16x16 --spp 4 --seed {seed} --no-denoise -o s.000{seed}.exr --quiet"
+        ));
+    }
+    workplace.write("s.0003.exr", "no picture");
+    let run = workplace.tamis("denoise s.####.exr -o out/clean.####.exr --method ld");
+    assert_eq!((run.code(), run.errors().len()), (Some(1), 1), "{}", run.stderr());
+    assert!(run.stderr().contains("1 of 3") && run.stderr().contains("s.0003.exr"), "{}", run.stderr());
+    let finished = workplace.bytes("out/clean.0002.exr");
+    let run = workplace.tamis("denoise s.####.exr -o out/clean.####.exr --method ld --resume");
+    assert_eq!(run.stderr().matches("there already").count(), 2, "{}", run.stderr());
+    assert_eq!(workplace.bytes("out/clean.0002.exr"), finished);
+    workplace.must("denoise s.0001.exr s.0002.exr -o out --method ld --quiet");
+    assert!(workplace.path("out/s.0001.exr").exists());
+    let run = workplace.tamis("denoise s.0001.exr s.0002.exr -o one.exr");
+    assert_eq!(run.code(), Some(2));
+    assert!(run.errors()[0].contains("role=FILE"), "{}", run.stderr());
+}
+
+#[test]
+fn a_whole_folder_of_another_renderer_is_one_stack() {
+    let Some(folder) = shared("stacks/tungsten/s256_spiky_16") else { return };
+    let workplace = Workplace::new();
+    let files: Vec<String> =
+        std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path().display().to_string()).collect();
+    let report = json(&workplace.must(&format!("info {} --json", files.join(" "))).stdout());
+    assert_eq!(report[0]["found"]["renderer"], "Tungsten");
+    assert_eq!(report[0]["features"].as_array().map(Vec::len), Some(4));
+    workplace.must(&format!("denoise {} -o out.exr --method ld --quiet", files.join(" ")));
+}

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Arg, ArgMatches, Args, Command, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use stack::Knobs;
+use stack::file::{Convention, Mapping, ReadOptions};
 
 use crate::failure::usage;
 use crate::options::{Crop, PictureSize, Triple};
@@ -154,15 +155,57 @@ pub struct RenderArgs {
     pub report: ReportArgs,
 }
 
+/// What files are, where they do not say so themselves.
+#[derive(Clone, Debug, Default, Args)]
+#[command(next_help_heading = "Reading")]
+pub struct ReadingArgs {
+    /// What a layer is: a role (colour, emission, position, albedo, normal, visibility, depth, alpha, samples), perhaps
+    /// with -variance, -a or -b, and the layer's name; `none` where there is nothing. May be given more than once.
+    #[arg(long, value_name = "ROLE=LAYER", value_parser = mapping)]
+    pub map: Vec<Mapping>,
+    /// Samples per pixel, where the files do not say or are wrong; of each half or bucket, or of all.
+    #[arg(long, value_name = "N,N…", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
+    pub spp: Vec<u32>,
+    /// What every variance in the files is: sample, mean, second-moment, standard-error or half-difference [default:
+    /// what the renderer is known to write].
+    #[arg(long, value_name = "KIND")]
+    pub variance_is: Option<Convention>,
+}
+
+impl ReadingArgs {
+    /// The same for the library.
+    pub fn options(&self) -> ReadOptions {
+        ReadOptions { map: self.map.clone(), spp: self.spp.clone(), variance_is: self.variance_is }
+    }
+}
+
+fn mapping(text: &str) -> Result<Mapping, String> {
+    let (role, layer) = text.split_once('=').ok_or("expected ROLE=LAYER")?;
+    Ok((role.parse()?, layer.to_string()))
+}
+
 #[derive(Debug, Args)]
 pub struct DenoiseArgs {
-    /// One stack: an .exr with layers.
-    #[arg(required_unless_present = "buckets", conflicts_with = "buckets")]
-    pub input: Option<PathBuf>,
+    /// One stack: an .exr with layers, or several files whose names say what they are, or ROLE=FILE. With a folder or a
+    /// name with #### as output, several stacks; #### in a name stands for the number of a frame.
+    #[arg(required_unless_present_any = ["buckets", "half_a"], conflicts_with = "buckets")]
+    pub input: Vec<String>,
+    /// One of two renders of equal standing, each with its own features.
+    #[arg(long, value_name = "FILE", requires = "half_b", conflicts_with = "buckets")]
+    pub half_a: Option<PathBuf>,
+    /// The other.
+    #[arg(long, value_name = "FILE", requires = "half_a")]
+    pub half_b: Option<PathBuf>,
     /// Independent renders of the same picture, each with its own features.
     #[arg(long, value_name = "FILE", num_args = 2..)]
     pub buckets: Vec<PathBuf>,
-    /// Roles that must be there, comma-separated (position, albedo, normal, visibility, depth).
+    #[command(flatten)]
+    pub reading: ReadingArgs,
+    /// Of several stacks, leave out those whose output is there already.
+    #[arg(long)]
+    pub resume: bool,
+    /// What must be there, comma-separated: roles (position, albedo, normal, visibility, depth, emission, alpha, samples),
+    /// `noise` (something is known about the colour's), `variance` or `buckets` (what).
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub require: Vec<String>,
     #[command(flatten)]
@@ -202,9 +245,11 @@ pub struct CompareArgs {
 
 #[derive(Debug, Args)]
 pub struct InfoArgs {
-    /// Scenes (.obj, .toml) or stacks (.exr).
+    /// Scenes (.obj, .toml) or stacks (.exr, .pfm, .phm); several files that are one stack together are read as one.
     #[arg(required = true)]
-    pub files: Vec<PathBuf>,
+    pub files: Vec<String>,
+    #[command(flatten)]
+    pub reading: ReadingArgs,
     /// Print JSON instead of text.
     #[arg(long)]
     pub json: bool,

@@ -6,74 +6,123 @@ use anyhow::Result;
 use clap::ArgMatches;
 use reconstruct::{Reconstruction, reconstruct, reconstruct_freeing};
 use serde_json::{Value, json};
-use stack::file::{ReadStack, StackHeader, read_buckets, read_stack};
-use stack::{FeatureRole, FeatureStack};
+use stack::Noise;
+use stack::file::{Found, Inputs, ReadStack, Role, Source, StackHeader, read_inputs};
 
-use crate::args::DenoiseArgs;
+use crate::args::{DenoiseArgs, OutputArgs};
 use crate::failure::{Verdict, usage};
 use crate::output::{Outputs, Written};
 use crate::progress::Progress;
 use crate::settings::Settings;
 use crate::stdout::print_line;
-use crate::{interrupt, render};
+use crate::{batch, interrupt, render};
 
 /// Runs the command.
 pub fn run(args: &DenoiseArgs, matches: &ArgMatches) -> Result<Verdict> {
-    let start = Instant::now();
     if args.output.output.is_empty() {
         return Err(usage("denoise needs an output file: -o FILE"));
     }
-    let outputs = Outputs::prepare(&args.output, "denoised")?;
+    if let Some(jobs) = batch::jobs(args)? {
+        return batch::run(args, matches, &jobs);
+    }
+    let task = Task { args, matches, inputs: inputs(args), output: args.output.clone() };
+    let outputs = task.prepare()?;
     render::start_threads(&args.report)?;
     interrupt::listen();
-    let progress = Progress::new(&args.report);
-    let mut read = read(args)?;
-    for note in &read.notes {
-        progress.say(note);
-    }
-    let loaded = start.elapsed().as_secs_f64();
-    require(args, &read.stack)?;
-    let settings = resolve(args, matches, read.header.as_ref())?;
-    let reconstruction = if outputs.need_inputs() {
-        reconstruct(&read.stack, &settings.reconstruction, &progress)?
-    } else {
-        reconstruct_freeing(&mut read.stack, &settings.reconstruction, &progress)?
-    };
-    progress.finish();
-    let picture = &reconstruction.picture;
-    let header = StackHeader { settings: settings.to_json(), ..header_of(&read) };
-    let written = Written { picture, stack: &read.stack, reconstruction: Some(&reconstruction), header: &header };
-    let writing = Instant::now();
-    outputs.write(&written, &progress)?;
-    let seconds =
-        [("load", loaded), ("write", writing.elapsed().as_secs_f64()), ("total", start.elapsed().as_secs_f64())];
-    say_what_was_done(&progress, &reconstruction, seconds[2].1);
+    let report = task.run(&outputs, &Progress::new(&args.report))?;
     if args.report.json {
-        let outcome = Outcome { outputs: &outputs, written: &written, settings: &settings, seconds: &seconds };
-        print_line(outcome.json(&progress))?;
+        print_line(report)?;
     }
     Ok(Verdict::Done)
 }
 
-fn read(args: &DenoiseArgs) -> Result<ReadStack> {
-    match &args.input {
-        Some(input) => Ok(read_stack(input)?),
-        None => Ok(read_buckets(&args.buckets)?),
+/// The files of one stack, as the flags say.
+fn inputs(args: &DenoiseArgs) -> Inputs {
+    let files = args.input.iter().map(|text| Source::parse(text)).collect();
+    match (&args.half_a, &args.half_b) {
+        (Some(a), Some(b)) => Inputs::Halves([a.clone(), b.clone()], files),
+        _ if !args.buckets.is_empty() => Inputs::Buckets(args.buckets.clone()),
+        _ => Inputs::Files(files),
     }
 }
 
-fn require(args: &DenoiseArgs, stack: &FeatureStack) -> Result<()> {
+/// One stack to denoise.
+pub struct Task<'a> {
+    pub args: &'a DenoiseArgs,
+    pub matches: &'a ArgMatches,
+    pub inputs: Inputs,
+    pub output: OutputArgs,
+}
+
+impl Task<'_> {
+    /// Checks the outputs before any work is done.
+    ///
+    /// # Errors
+    /// An unknown format or layer, or a place that cannot be written to.
+    pub fn prepare(&self) -> Result<Outputs> {
+        Outputs::prepare(&self.output, "denoised")
+    }
+
+    /// Reads, reconstructs and writes, and returns what `--json` prints.
+    ///
+    /// # Errors
+    /// When a step fails, or something that is required is not there.
+    pub fn run(&self, outputs: &Outputs, progress: &Progress) -> Result<Value> {
+        let start = Instant::now();
+        let mut read = read_inputs(&self.inputs, &self.args.reading.options())?;
+        read.notes.iter().for_each(|note| progress.say(note));
+        let loaded = start.elapsed().as_secs_f64();
+        require(self.args, &read)?;
+        let settings = resolve(self.args, self.matches, read.header.as_ref())?;
+        let reconstruction = if outputs.need_inputs() {
+            reconstruct(&read.stack, &settings.reconstruction, progress)?
+        } else {
+            reconstruct_freeing(&mut read.stack, &settings.reconstruction, progress)?
+        };
+        progress.finish();
+        let header = header_of(&read, &settings);
+        let written = Written {
+            picture: &reconstruction.picture,
+            stack: &read.stack,
+            reconstruction: Some(&reconstruction),
+            header: &header,
+            carried: &read.carried,
+        };
+        let writing = Instant::now();
+        outputs.write(&written, progress)?;
+        let seconds =
+            [("load", loaded), ("write", writing.elapsed().as_secs_f64()), ("total", start.elapsed().as_secs_f64())];
+        say_what_was_done(progress, &reconstruction, seconds[2].1);
+        let outcome =
+            Outcome { outputs, written: &written, found: &read.found, settings: &settings, seconds: &seconds };
+        Ok(outcome.json(progress))
+    }
+}
+
+/// Demands what `--require` lists.
+fn require(args: &DenoiseArgs, read: &ReadStack) -> Result<()> {
+    let noise = read.stack.components.first().map(|component| &component.radiance.noise);
     for name in &args.require {
-        let role = FeatureRole::ALL.into_iter().find(|role| role.layer() == name);
-        let role = role.ok_or_else(|| {
-            usage(format!("--require: '{name}' is no role; expected position, albedo, normal, visibility or depth"))
-        })?;
-        if stack.feature(role).is_none() {
-            return Err(usage(format!("required layer '{name}' is not in the stack")));
+        let there = match name.as_str() {
+            "noise" => !matches!(noise, Some(Noise::Unknown) | None),
+            "variance" => matches!(noise, Some(Noise::VarianceOfMean(_))),
+            "buckets" => matches!(noise, Some(Noise::Buckets(_))),
+            "samples" => read.found.spp.is_some(),
+            role if Role::ALL.iter().any(|known| known.name() == role) => {
+                read.found.roles.iter().any(|found| found.role == role)
+            }
+            _ => return Err(usage(format!("--require: '{name}' is no role; {EXPECTED}"))),
+        };
+        if !there {
+            return Err(usage(format!("required '{name}' is not in the stack; {}", read.found.lines().join("; "))));
         }
     }
     Ok(())
 }
+
+/// What may stand in `--require`.
+const EXPECTED: &str = "expected position, albedo, normal, visibility, depth, emission, alpha, samples, noise, variance or \
+                        buckets";
 
 /// Settings: those of the preset that was asked for, else those recorded in a file of ours, else the default's; flags
 /// override them.
@@ -87,11 +136,13 @@ fn resolve(args: &DenoiseArgs, matches: &ArgMatches, header: Option<&StackHeader
     Ok(settings)
 }
 
-/// What the file says about itself; for another renderer's, what it is to us: as many sequences as buckets.
-fn header_of(read: &ReadStack) -> StackHeader {
-    let buckets = read.stack.samples.dealing.buckets() as u32;
-    let foreign = || StackHeader { first: 0, sequences: buckets, buckets, settings: Value::Null };
-    read.header.clone().unwrap_or_else(foreign)
+/// What the file says about itself; for another renderer's, what it is to us.
+fn header_of(read: &ReadStack, settings: &Settings) -> StackHeader {
+    let settings = settings.to_json();
+    match &read.header {
+        Some(header) => StackHeader { settings, ..header.clone() },
+        None => StackHeader::of(&read.stack, settings),
+    }
 }
 
 fn say_what_was_done(progress: &Progress, reconstruction: &Reconstruction, seconds: f64) {
@@ -105,6 +156,7 @@ fn say_what_was_done(progress: &Progress, reconstruction: &Reconstruction, secon
 struct Outcome<'a> {
     outputs: &'a Outputs,
     written: &'a Written<'a>,
+    found: &'a Found,
     settings: &'a Settings,
     seconds: &'a [(&'a str, f64)],
 }
@@ -112,12 +164,12 @@ struct Outcome<'a> {
 impl Outcome<'_> {
     fn json(&self, progress: &Progress) -> Value {
         let size = self.written.stack.size();
-        let (mean, min, max) = self.written.stack.samples.mean_min_max();
         json!({
             "output": self.outputs.files(),
             "width": size.width,
             "height": size.height,
-            "spp": {"mean": mean, "min": min, "max": max},
+            "found": self.found,
+            "spp": self.found.spp.as_ref().map(|spp| json!({"mean": spp.mean, "min": spp.min, "max": spp.max})),
             "seconds": self.seconds.iter().map(|(name, s)| (name.to_string(), json!(s))).collect::<serde_json::Map<_, _>>(),
             "stages": render::report::stages(progress),
             "lacks": render::report::lacks(self.written),

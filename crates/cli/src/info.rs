@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::Result;
 use serde_json::{Value, json};
-use stack::file::{ReadStack, extension, read_stack};
+use stack::file::{Inputs, ReadStack, Source, extension, is_one_stack, read_inputs};
 use stack::{Estimate, Noise};
 use tracer::material::Surface;
 use tracer::scene::{Loaded, load};
@@ -16,10 +16,11 @@ use crate::stdout::print_line;
 /// Runs the command.
 pub fn run(args: &InfoArgs) -> Result<Verdict> {
     let mut reports = Vec::new();
-    for file in &args.files {
-        let report = describe(file)?;
+    for files in groups(&args.files) {
+        let name = files.join(" ");
+        let report = describe(&files, &name, args)?;
         if !args.json {
-            print_line(as_text(file, &report))?;
+            print_line(as_text(&name, &report))?;
         }
         reports.push(report);
     }
@@ -29,10 +30,24 @@ pub fn run(args: &InfoArgs) -> Result<Verdict> {
     Ok(Verdict::Done)
 }
 
-fn describe(file: &Path) -> Result<Value> {
-    match extension(file).as_str() {
-        "exr" => Ok(describe_stack(file, &read_stack(file)?)),
-        _ => Ok(describe_scene(file, &load(file)?)),
+/// Files that are one stack together, as one group; else each by itself.
+fn groups(files: &[String]) -> Vec<Vec<String>> {
+    let sources: Vec<Source> = files.iter().map(|file| Source::parse(file)).collect();
+    if sources.iter().all(|source| is_picture(&source.path)) && is_one_stack(&sources) {
+        return vec![files.to_vec()];
+    }
+    files.iter().map(|file| vec![file.clone()]).collect()
+}
+
+fn is_picture(file: &Path) -> bool {
+    ["exr", "pfm", "phm"].contains(&extension(file).as_str())
+}
+
+fn describe(files: &[String], name: &str, args: &InfoArgs) -> Result<Value> {
+    let sources: Vec<Source> = files.iter().map(|file| Source::parse(file)).collect();
+    match &sources[..] {
+        [only] if !is_picture(&only.path) => Ok(describe_scene(&only.path, &load(&only.path)?)),
+        _ => Ok(describe_stack(name, &read_inputs(&Inputs::Files(sources), &args.reading.options())?)),
     }
 }
 
@@ -64,15 +79,15 @@ const fn surface(surface: &Surface) -> &'static str {
     }
 }
 
-fn describe_stack(file: &Path, read: &ReadStack) -> Value {
+fn describe_stack(file: &str, read: &ReadStack) -> Value {
     let stack = &read.stack;
     let size = stack.size();
-    let (mean, min, max) = stack.samples.mean_min_max();
     let estimate = |name: &str, estimate: &Estimate| json!({"layer": name, "noise": noise(estimate)});
     json!({
         "file": file,
         "size": [size.width, size.height],
-        "spp": if read.header.is_some() { json!({"mean": mean, "min": min, "max": max}) } else { Value::Null },
+        "spp": read.found.spp.as_ref().map(|spp| json!({"mean": spp.mean, "min": spp.min, "max": spp.max})),
+        "found": read.found,
         "components": stack.components.iter().map(|c| estimate(c.role.layer(), &c.radiance)).collect::<Vec<_>>(),
         "features": stack.features.iter().map(|f| estimate(f.role.layer(), &f.estimate)).collect::<Vec<_>>(),
         "passthrough": stack.passthrough.iter().map(|c| c.name.clone()).collect::<Vec<_>>(),
@@ -90,8 +105,8 @@ fn noise(estimate: &Estimate) -> String {
 }
 
 /// The report as text: a line for each thing that is there.
-fn as_text(file: &Path, report: &Value) -> String {
-    let mut lines = vec![file.display().to_string()];
+fn as_text(file: &str, report: &Value) -> String {
+    let mut lines = vec![file.to_string()];
     lines.extend(if report["triangles"].is_number() { scene_lines(report) } else { stack_lines(report) });
     lines.extend(list(report, "notes").iter().map(|note| format!("  {}", text(note))));
     lines.join("\n")

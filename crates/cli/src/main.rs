@@ -1,6 +1,7 @@
 //! The `tamis` command: parses, hands over to one module per subcommand, and turns errors into exit codes.
 
 mod args;
+mod batch;
 mod compare;
 mod denoise;
 mod experiment;

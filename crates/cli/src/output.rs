@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use reconstruct::Reconstruction;
-use stack::file::{ResultLayer, StackHeader, check_writable, extension, write_atomically, write_pfm, write_stack};
+use stack::file::{
+    Carried, ResultLayer, StackHeader, check_writable, extension, write_atomically, write_pfm, write_stack,
+};
 use stack::{FeatureStack, Image};
 
 use crate::args::OutputArgs;
@@ -90,7 +92,7 @@ impl Outputs {
                 planes,
             });
         }
-        Ok(write_stack(file, written.stack, with_inputs, written.header, &results)?)
+        Ok(write_stack(file, written.stack, with_inputs, written.header, &results, written.carried)?)
     }
 
     /// The exposure that was given, or one chosen from the picture and said.
@@ -151,6 +153,8 @@ pub struct Written<'a> {
     pub stack: &'a FeatureStack,
     pub reconstruction: Option<&'a Reconstruction>,
     pub header: &'a StackHeader,
+    /// What the input said beside its pixels.
+    pub carried: &'a Carried,
 }
 
 fn layers(list: &str) -> Result<Vec<String>> {

@@ -3,7 +3,8 @@
 //! A [`FeatureStack`] is the whole state of a picture before reconstruction; a [`SampleMap`] asks the renderer for more
 //! samples. Module [`mod@file`] reads and writes stacks as OpenEXR. This crate knows neither of its users.
 //!
-//! Limits: one-part scanline or tiled EXR files with channels of full resolution; deep data is refused.
+//! Limits: EXR files of scan lines or tiles, whose parts cover the same pixels with channels of full resolution; deep data
+//! is refused.
 
 mod estimate;
 mod fault;

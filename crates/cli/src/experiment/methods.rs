@@ -7,7 +7,7 @@ use anyhow::Result;
 use reconstruct::metrics::Comparison;
 use reconstruct::reconstruct;
 use stack::Image;
-use stack::file::{ResultLayer, StackHeader, write_picture, write_stack};
+use stack::file::{Carried, ResultLayer, StackHeader, write_picture, write_stack};
 
 use super::case::{Case, Entry, settings};
 use super::geometric_mean::geometric_mean;
@@ -94,11 +94,10 @@ fn rendered(
     progress.say(&format!("{name}: samples"));
     let stack = stage.render(&settings, &Budget::uniform(spp), false, progress)?.stack;
     let file = args.output.join(format!("{name}.exr"));
-    let (sequences, buckets) = (settings.trace.sequences, settings.trace.buckets);
-    let header = StackHeader { first: 0, sequences, buckets, settings: settings.to_json() };
+    let header = StackHeader::of(&stack, settings.to_json());
     let picture = stack.beauty();
     let picture = ResultLayer { name: "", channels: &["R", "G", "B"], planes: picture.channels() };
-    write_stack(&file, &stack, true, &header, &[picture])?;
+    write_stack(&file, &stack, true, &header, &[picture], &Carried::default())?;
     beside_oidn(Case { name, stack, references: references.clone(), others: Vec::new() }, &file, args)
 }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::Result;
-use stack::file::{ResultLayer, StackHeader, read_stack, write_stack};
+use stack::file::{Carried, ResultLayer, StackHeader, read_stack, write_stack};
 use stack::{FeatureStack, Image};
 use tracer::film::Film;
 
@@ -69,7 +69,7 @@ fn trace(stage: &Stage, file: &Path, (seed, spp): (u64, u32), progress: &Progres
         return Err(stack::Cancelled.into());
     }
     let picture = finished.picture();
-    let header = StackHeader { first: 0, sequences: 1, buckets: 1, settings: settings.to_json() };
+    let header = StackHeader { first: 0, sequences: 1, buckets: 1, per_bucket: None, settings: settings.to_json() };
     let result = ResultLayer { name: "", channels: &["R", "G", "B"], planes: picture.channels() };
-    Ok(write_stack(file, &finished.stack, true, &header, &[result])?)
+    Ok(write_stack(file, &finished.stack, true, &header, &[result], &Carried::default())?)
 }

@@ -11,7 +11,7 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use clap::ArgMatches;
 use stack::Image;
-use stack::file::{StackHeader, extension};
+use stack::file::{Carried, StackHeader, extension};
 use tracer::film::Film;
 
 use crate::args::{RenderArgs, ReportArgs};
@@ -43,12 +43,13 @@ pub fn run(args: &RenderArgs, matches: &ArgMatches) -> Result<Verdict> {
     let finished = trace_adaptively(&sampling, film, &plan.budget, plan.reconstruct)?;
     progress.finish();
     let picture = finished.picture();
-    let header = header(&plan);
+    let (header, carried) = (header(&plan), Carried::default());
     let written = Written {
         picture: &picture,
         stack: &finished.stack,
         reconstruction: finished.reconstruction.as_ref(),
         header: &header,
+        carried: &carried,
     };
     if finished.interrupted {
         return keep_partial(args, &outputs, &written, &progress);
@@ -88,6 +89,7 @@ fn header(plan: &Plan) -> StackHeader {
         first: plan.budget.first,
         sequences: trace.sequences,
         buckets: trace.buckets,
+        per_bucket: None,
         settings: plan.settings.to_json(),
     }
 }

@@ -43,6 +43,22 @@ pub enum FileError {
         /// What to do instead.
         remedy: &'static str,
     },
+    /// The picture does not fit into memory.
+    #[error(
+        "{path}: {width}x{height} pixels need {needed} bytes of memory, {available} are free; crop it or leave out channels"
+    )]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// Its width.
+        width: usize,
+        /// Its height.
+        height: usize,
+        /// Bytes its channels need.
+        needed: u128,
+        /// Bytes there are.
+        available: u64,
+    },
     /// A needed layer is absent.
     #[error("{path}: no {wanted}; expected channels {expected}, found {found}")]
     Missing {
@@ -54,6 +70,36 @@ pub enum FileError {
         expected: String,
         /// Channel names there are.
         found: String,
+    },
+    /// A layer that the user named is not there.
+    #[error("{path}: --map {slot}={layer}: no layer of {count} channels begins so; there are {found}")]
+    NoSuchLayer {
+        /// The file.
+        path: PathBuf,
+        /// The role it was to have.
+        slot: String,
+        /// The name given.
+        layer: String,
+        /// How many channels it should have.
+        count: usize,
+        /// Layers there are.
+        found: String,
+    },
+    /// Several layers have an equal claim to a role.
+    #[error("{path}: several layers could be {slot}: {candidates}; choose one with --map {slot}=LAYER (or none)")]
+    Ambiguous {
+        /// The file.
+        path: PathBuf,
+        /// The role.
+        slot: String,
+        /// The layers.
+        candidates: String,
+    },
+    /// Files that are no stack together.
+    #[error("{reason}; say what they are with role=FILE, or give a folder as output for several pictures")]
+    Unclear {
+        /// What is unclear about them.
+        reason: String,
     },
     /// Two files that belong together have different sizes.
     #[error("{path}: expected {expected} pixels as in {like}, found {found}")]
@@ -75,6 +121,14 @@ pub enum FileError {
         /// The other.
         second: PathBuf,
     },
+    /// Sample counts that are neither one for all nor one for each.
+    #[error("--spp: {given} numbers for {renders}; expected one for all, or one for each half or bucket")]
+    SampleCounts {
+        /// How many numbers were given.
+        given: usize,
+        /// What they are for.
+        renders: String,
+    },
     /// Fewer buckets than any noise estimate needs.
     #[error("{found} bucket given, at least 2 are needed; give more independent renders of the same picture")]
     TooFewBuckets {
@@ -89,7 +143,7 @@ impl FileError {
         match self {
             Self::Io { action: "read", .. } => Fault::Input,
             Self::Io { .. } => Fault::Machine,
-            Self::TooFewBuckets { .. } => Fault::Usage,
+            Self::TooFewBuckets { .. } | Self::Unclear { .. } | Self::SampleCounts { .. } => Fault::Usage,
             _ => Fault::Input,
         }
     }

@@ -1,19 +1,22 @@
 //! An EXR file as a flat list of named channels.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use exr::prelude::{
-    AnyChannel, AnyChannels, AttributeValue, Blocks, Compression, Encoding, FlatSamples, IntegerBounds, Layer,
-    LayerAttributes, LineOrder, ReadChannels, ReadLayers, Text, Vec2, WritableImage,
+    AnyChannel, AnyChannels, AttributeValue, Blocks, Compression, Encoding, FlatSamples, Layer, LineOrder, Text,
+    WritableImage,
 };
 
 use super::borrowed::BorrowedSamples;
-use super::{FileError, write_atomically};
+use super::exr_read::{read_exr, understand};
+use super::header_order::sort_attributes;
+use super::pfm::{is_pfm, read_pfm_layers};
+use super::{Carried, FileError, write_atomically};
 use crate::{Size, Window};
 
-/// Name of the one text attribute that holds all our metadata. One only: the `exr` crate writes several custom
-/// attributes in random order, and equal runs must write equal bytes.
-const METADATA: &str = "tamis";
+/// Name of the one text attribute that holds all our metadata.
+pub(super) const METADATA: &str = "tamis";
 
 /// Zipped scan lines in rising order: every reader takes them, and the bytes do not depend on the thread count.
 const ENCODING: Encoding =
@@ -26,6 +29,17 @@ pub struct Passthrough {
     pub name: String,
     /// Values, row-major.
     pub samples: FlatSamples,
+}
+
+impl Passthrough {
+    /// The value at `pixel`, as `f32`.
+    pub fn value(&self, pixel: usize) -> f32 {
+        match &self.samples {
+            FlatSamples::F32(values) => values[pixel],
+            FlatSamples::F16(values) => values[pixel].to_f32(),
+            FlatSamples::U32(values) => values[pixel] as f32,
+        }
+    }
 }
 
 /// All channels of an EXR file (of all its parts, when they cover the same window).
@@ -41,10 +55,12 @@ pub struct Layers {
     pub channels: Vec<Passthrough>,
     /// Our own metadata, when the file has any.
     pub metadata: Option<serde_json::Value>,
+    /// What else it says, for the file that is made of it.
+    pub carried: Carried,
 }
 
 impl Layers {
-    /// Reads a file.
+    /// Reads an EXR file, or a PFM or PHM file as channels `R G B` or `Y`.
     ///
     /// # Errors
     /// When the file is absent, a folder, damaged, or of a kind that is not supported (deep data, subsampled channels,
@@ -53,22 +69,29 @@ impl Layers {
         if path.is_dir() {
             return Err(FileError::Folder { path: path.into() });
         }
+        let mut start = [0; 3];
         let file = std::fs::File::open(path).map_err(|source| FileError::io(path, "read", source))?;
-        let image = exr::prelude::read()
-            .no_deep_data()
-            .largest_resolution_level()
-            .all_channels()
-            .all_layers()
-            .all_attributes()
-            .from_buffered(std::io::BufReader::new(file))
-            .map_err(|error| understand(path, error))?;
-        gather(path, image)
+        let whole = std::io::Read::read_exact(&mut &file, &mut start).is_ok();
+        if whole && is_pfm(&start) { read_pfm_layers(path) } else { read_exr(path) }
     }
 
     /// Takes the channel called `name` out, as `f32`.
     pub fn take(&mut self, name: &str) -> Option<Vec<f32>> {
         let at = self.channels.iter().position(|channel| channel.name == name)?;
         Some(to_f32(self.channels.remove(at).samples))
+    }
+
+    /// Takes the channel called `name` out, and where it is the red of a scalar that is repeated in all three (LuxCore)
+    /// its copies, too.
+    pub(super) fn take_scalar(&mut self, name: &str) -> Option<Vec<f32>> {
+        let plane = self.take(name)?;
+        let copies = name.strip_suffix('R').map(|layer| ["G", "B"].map(|end| format!("{layer}{end}")));
+        let is_copy = |channel: &Passthrough| {
+            copies.as_ref().is_some_and(|copies| copies.contains(&channel.name))
+                && (0..plane.len()).all(|pixel| channel.value(pixel).to_bits() == plane[pixel].to_bits())
+        };
+        self.channels.retain(|channel| !is_copy(channel));
+        Some(plane)
     }
 
     /// Whether there is a channel called `name`.
@@ -87,36 +110,48 @@ impl Layers {
     /// When the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), FileError> {
         let channels = self.channels.iter().map(|c| (c.name.clone(), BorrowedSamples::Any(&c.samples))).collect();
-        write_channels(path, self.window, self.film, self.metadata.as_ref(), channels)
+        let frame = Frame { window: self.window, film: self.film, carried: &self.carried };
+        write_channels(path, frame, self.metadata.as_ref(), channels)
     }
 }
 
-/// Writes named channels that cover `window` of `film` as a one-part file, atomically.
+/// What surrounds the channels of a file.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame<'a> {
+    /// The pixels the channels cover.
+    pub window: Window,
+    /// Size of the display window.
+    pub film: Size,
+    /// Attributes to write again.
+    pub carried: &'a Carried,
+}
+
+/// Writes named channels as a one-part file, atomically.
 ///
 /// # Errors
 /// When the file cannot be written.
 pub(super) fn write_channels(
     path: &Path,
-    window: Window,
-    film: Size,
+    frame: Frame<'_>,
     metadata: Option<&serde_json::Value>,
     channels: Vec<(String, BorrowedSamples<'_>)>,
 ) -> Result<(), FileError> {
-    let mut attributes = LayerAttributes {
-        layer_position: Vec2(window.x, window.y),
-        software_name: Some(Text::from("tamis")),
-        ..LayerAttributes::default()
-    };
-    if let Some(metadata) = metadata {
-        let text = Text::from(metadata.to_string().as_str());
+    let (image_attributes, mut attributes, mut names) = frame.carried.for_file(frame.window, frame.film);
+    if let Some(text) = metadata.and_then(|metadata| Text::new_or_none(metadata.to_string())) {
         attributes.other.insert(Text::from(METADATA), AttributeValue::Text(text));
+        names.insert(METADATA.into());
     }
     let channels = channels.into_iter().map(|(name, samples)| AnyChannel::new(name.as_str(), samples)).collect();
-    let size = (window.size.width, window.size.height);
+    let size = (frame.window.size.width, frame.window.size.height);
     let mut image =
         exr::prelude::Image::from_layer(Layer::new(size, attributes, ENCODING, AnyChannels::sort(channels)));
-    image.attributes.display_window = IntegerBounds::from_dimensions((film.width, film.height));
-    write_atomically(path, |out| image.write().to_buffered(out).map_err(|error| understand(path, error)))
+    image.attributes = image_attributes;
+    write_atomically(path, |out| {
+        image.write().to_buffered(&mut *out).map_err(|error| understand(path, error))?;
+        let failed = |source| FileError::io(path, "write", source);
+        out.flush().map_err(failed)?;
+        sort_attributes(*out.get_mut(), &names).map_err(failed)
+    })
 }
 
 /// Converts samples of any type to `f32` (without a copy when they are).
@@ -125,63 +160,5 @@ fn to_f32(samples: FlatSamples) -> Vec<f32> {
         FlatSamples::F32(values) => values,
         FlatSamples::F16(values) => values.into_iter().map(|v| v.to_f32()).collect(),
         FlatSamples::U32(values) => values.into_iter().map(|v| v as f32).collect(),
-    }
-}
-
-fn gather(
-    path: &Path,
-    image: exr::prelude::Image<exr::prelude::Layers<AnyChannels<FlatSamples>>>,
-) -> Result<Layers, FileError> {
-    let display = image.attributes.display_window;
-    let mut layers = Layers {
-        path: path.into(),
-        window: Window::whole(Size::new(0, 0)),
-        film: Size::new(display.size.width(), display.size.height()),
-        channels: Vec::new(),
-        metadata: None,
-    };
-    let parts = image.layer_data.len();
-    for (index, part) in image.layer_data.into_iter().enumerate() {
-        let position = part.attributes.layer_position - display.position;
-        let window =
-            Window { x: position.x(), y: position.y(), size: Size::new(part.size.width(), part.size.height()) };
-        if index == 0 {
-            layers.window = window;
-        } else if window != layers.window {
-            return Err(unsupported(path, "parts of different size", "give each part as a file of its own"));
-        }
-        let prefix = part.attributes.layer_name.filter(|_| parts > 1).map(|name| format!("{name}."));
-        for channel in part.channel_data.list {
-            if channel.sampling != Vec2(1, 1) {
-                return Err(unsupported(path, "subsampled channels", "write all channels at full resolution"));
-            }
-            let name = format!("{}{}", prefix.as_deref().unwrap_or(""), channel.name);
-            layers.channels.push(Passthrough { name, samples: channel.sample_data });
-        }
-        if let Some(AttributeValue::Text(text)) = part.attributes.other.get(&Text::from(METADATA)) {
-            layers.metadata = serde_json::from_str(&text.to_string()).ok();
-        }
-    }
-    Ok(layers)
-}
-
-fn unsupported(path: &Path, what: &str, remedy: &'static str) -> FileError {
-    FileError::Unsupported { path: path.into(), what: what.into(), remedy }
-}
-
-fn understand(path: &Path, error: exr::error::Error) -> FileError {
-    use exr::error::Error;
-    match error {
-        Error::Io(source) => FileError::io(path, "write", source),
-        Error::NotSupported(what) if what.contains("deep") => {
-            unsupported(path, "deep pixels", "flatten the picture first")
-        }
-        Error::NotSupported(what) => {
-            FileError::Unsupported { path: path.into(), what: what.into_owned(), remedy: "convert the file first" }
-        }
-        Error::Invalid(reason) => {
-            FileError::Damaged { path: path.into(), format: "OpenEXR", reason: reason.into_owned() }
-        }
-        Error::Aborted => FileError::Damaged { path: path.into(), format: "OpenEXR", reason: "reading stopped".into() },
     }
 }

@@ -1,29 +1,68 @@
 //! Feature stacks and pictures as files.
 //!
-//! [`read_stack`] takes a stack that Tamis wrote, or another renderer's; [`read_buckets`] several independent renders
-//! of one picture. [`write_stack`] writes what [`read_stack`] needs to get the very same stack again.
+//! [`read_inputs`] takes a stack that Tamis wrote, or another renderer's: from one file with layers, several with a role
+//! each, two halves, or several independent renders. [`write_stack`] writes what is needed to get the very same stack
+//! again.
+//!
+//! The way of another renderer's files: `sources` (which file is what) → `exr_read`, `pfm` (channels) → `recognise` (which
+//! layer is what, by the names in `alias`, else `by_value`) → `loaded` (planes, `counts`, `convention` of variances) →
+//! `mend` → `together` (one stack) → `found` (what is said about it).
 //!
 //! Channels of our own files (`docs/exr.md` has the whole list): the picture `R G B`; per component `noisy.*` or
-//! `emission.*` and its buckets `noisy.bucket0.*` …; per feature its mean, and its halves (`albedoA.*`, `albedoB.*`)
-//! or buckets; `samples.Y`; then whatever result layers were asked for. Everything is 32-bit float; metadata is one
-//! JSON text attribute.
+//! `emission.*` and its buckets `noisy.bucket0.*` …; per feature its mean, and its halves (`albedoA.*`, `albedoB.*`), its
+//! buckets or its variance; `samples.Y`; then whatever result layers were asked for. Everything is 32-bit float; metadata is
+//! one JSON text attribute, beside what was there in the file the stack was read from.
 
 mod alias;
 mod atomic;
 mod borrowed;
+mod by_value;
+mod carried;
+mod convention;
+mod counts;
+mod emission;
 mod error;
+mod exr_read;
+mod found;
+mod header_order;
+#[cfg(test)]
+mod hostile_tests;
+mod independence;
+#[cfg(test)]
+mod integrity_tests;
+mod layer_list;
 mod layers;
+mod loaded;
+mod memory;
+mod mend;
+mod own;
 mod pfm;
 mod picture;
 mod read;
+mod recognise;
+#[cfg(test)]
+mod renderer_tests;
+mod role;
 #[cfg(test)]
 mod round_trip;
+mod slot_names;
+mod sources;
+#[cfg(test)]
+mod test_files;
+mod together;
 mod write;
 
 pub use atomic::{check_writable, write_atomically};
+pub use carried::Carried;
 pub use error::FileError;
+pub use found::{Found, FoundRole, FoundSpp};
 pub use layers::{Layers, Passthrough};
+pub use loaded::ReadOptions;
+pub use mend::Mended;
 pub use pfm::{read_pfm, write_pfm};
 pub use picture::{extension, read_picture, write_picture};
-pub use read::{ReadStack, read_buckets, read_stack};
+pub use read::{Inputs, ReadStack, read_buckets, read_inputs, read_stack};
+pub use recognise::Mapping;
+pub use role::{Convention, Measure, Role, Slot};
+pub use sources::{Source, is_one_stack};
 pub use write::{ResultLayer, StackHeader, write_stack};

@@ -1,50 +1,87 @@
-//! Portable float maps: three (or one) 32-bit floats a pixel, bottom row first.
+//! Portable float maps: three (or one) 32-bit floats a pixel, bottom row first; and their half-precision form (PHM).
 
 use std::io::Write;
 use std::path::Path;
 
-use super::{FileError, write_atomically};
-use crate::{Image, Size};
+use exr::prelude::{FlatSamples, f16};
 
-/// Reads a PFM file of one or three channels; one is repeated in all three.
+use super::{Carried, FileError, Layers, Passthrough, write_atomically};
+use crate::{Image, Size, Window};
+
+/// Reads a PFM or PHM (half precision) file of one or three channels; one is repeated in all three.
 ///
 /// # Errors
 /// When the file is absent, a folder, or not a whole PFM file.
 pub fn read_pfm(path: &Path) -> Result<Image, FileError> {
+    let mut layers = read_pfm_layers(path)?;
+    let size = layers.window.size;
+    let planes = match layers.take("Y") {
+        Some(grey) => vec![grey; 3],
+        None => ["R", "G", "B"].iter().filter_map(|name| layers.take(name)).collect(),
+    };
+    Ok(Image::from_channels(size, planes))
+}
+
+/// Whether a file that begins with `start` is one of these.
+pub(super) fn is_pfm(start: &[u8]) -> bool {
+    matches!(start, [b'P', b'F' | b'f' | b'H' | b'h', space, ..] if space.is_ascii_whitespace())
+}
+
+/// Reads such a file as channels `R G B` or `Y`, in its own number type.
+///
+/// # Errors
+/// As [`read_pfm`].
+pub(super) fn read_pfm_layers(path: &Path) -> Result<Layers, FileError> {
     let damaged = |reason: &str| FileError::Damaged { path: path.into(), format: "PFM", reason: reason.into() };
     if path.is_dir() {
         return Err(FileError::Folder { path: path.into() });
     }
     let bytes = std::fs::read(path).map_err(|source| FileError::io(path, "read", source))?;
     let (words, values) = header(&bytes).ok_or_else(|| damaged("expected a header of three lines"))?;
-    let channels = match words[0] {
-        "PF" => 3,
-        "Pf" => 1,
-        _ => return Err(damaged("expected PF or Pf at the start")),
+    let (names, width_of_one): (&[&str], usize) = match words[0] {
+        "PF" => (&["R", "G", "B"], 4),
+        "Pf" => (&["Y"], 4),
+        "PH" => (&["R", "G", "B"], 2),
+        "Ph" => (&["Y"], 2),
+        _ => return Err(damaged("expected PF, Pf, PH or Ph at the start")),
     };
     let number = |word: &str| word.parse::<usize>().ok().filter(|n| *n > 0);
     let (Some(width), Some(height)) = (number(words[1]), number(words[2])) else {
         return Err(damaged("expected a width and a height"));
     };
     let scale: f32 = words[3].parse().map_err(|_| damaged("expected a scale"))?;
-    let wanted = width.checked_mul(height).and_then(|n| n.checked_mul(channels * 4));
+    let wanted = width.checked_mul(height).and_then(|n| n.checked_mul(names.len() * width_of_one));
     if wanted.is_none_or(|wanted| values.len() < wanted) {
         return Err(damaged("it ends before its last pixel"));
     }
-    let read = if scale < 0.0 { f32::from_le_bytes } else { f32::from_be_bytes };
-    let size = Size::new(width, height);
-    let mut image = Image::zeros(size, 3);
-    for (i, value) in values.chunks_exact(4).take(size.pixels() * channels).enumerate() {
-        let (pixel, channel) = (i / channels, i % channels);
-        let at = size.index(pixel % width, height - 1 - pixel / width);
-        let value = read([value[0], value[1], value[2], value[3]]);
-        if channels == 3 {
-            image.channels_mut()[channel][at] = value;
+    let (size, little) = (Size::new(width, height), scale < 0.0);
+    let channel = |(c, name): (usize, &&str)| {
+        let at = |i: usize| ((height - 1 - i / width) * width + i % width) * names.len() + c;
+        let samples = if width_of_one == 4 {
+            FlatSamples::F32((0..size.pixels()).map(|i| f32::from_bits(word(values, at(i), little))).collect())
         } else {
-            image.channels_mut().iter_mut().for_each(|plane| plane[at] = value);
-        }
-    }
-    Ok(image)
+            FlatSamples::F16((0..size.pixels()).map(|i| f16::from_bits(half_word(values, at(i), little))).collect())
+        };
+        Passthrough { name: (*name).into(), samples }
+    };
+    Ok(Layers {
+        path: path.into(),
+        window: Window::whole(size),
+        film: size,
+        channels: names.iter().enumerate().map(channel).collect(),
+        metadata: None,
+        carried: Carried::default(),
+    })
+}
+
+fn word(values: &[u8], at: usize, little: bool) -> u32 {
+    let bytes = [0, 1, 2, 3].map(|i| values[4 * at + i]);
+    if little { u32::from_le_bytes(bytes) } else { u32::from_be_bytes(bytes) }
+}
+
+fn half_word(values: &[u8], at: usize, little: bool) -> u16 {
+    let bytes = [0, 1].map(|i| values[2 * at + i]);
+    if little { u16::from_le_bytes(bytes) } else { u16::from_be_bytes(bytes) }
 }
 
 /// The four words of the header, and the bytes after the one white space that ends it.
@@ -95,5 +132,16 @@ mod tests {
         let bytes = std::fs::read(&path).unwrap();
         std::fs::write(&path, &bytes[..bytes.len() - 1]).unwrap();
         assert!(read_pfm(&path).unwrap_err().to_string().contains("ends before its last pixel"));
+    }
+
+    #[test]
+    fn half_precision_and_big_ends_are_understood() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.phm");
+        let values = [1.5_f32, -2.0, 0.25, 8.0];
+        let mut bytes = b"Ph\n2 2\n1.0\n".to_vec();
+        values.iter().for_each(|v| bytes.extend(f16::from_f32(*v).to_bits().to_be_bytes()));
+        std::fs::write(&path, bytes).unwrap();
+        assert_eq!(read_pfm(&path).unwrap().channels()[2], [0.25, 8.0, 1.5, -2.0], "the bottom row comes first");
     }
 }

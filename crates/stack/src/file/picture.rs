@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::borrowed::BorrowedSamples;
-use super::layers::write_channels;
-use super::{FileError, Layers, read_pfm, write_pfm};
+use super::layers::{Frame, write_channels};
+use super::{Carried, FileError, Layers, read_pfm, write_pfm};
 use crate::{Image, Window};
 
 /// Reads the picture in an EXR file (its `R G B`, or the first layer that has them) or a PFM file.
@@ -50,7 +50,8 @@ pub fn write_picture(path: &Path, image: &Image) -> Result<(), FileError> {
     }
     let channels = ["R", "G", "B"].iter().zip(image.channels());
     let channels = channels.map(|(name, plane)| ((*name).to_string(), BorrowedSamples::Float(plane))).collect();
-    write_channels(path, Window::whole(image.size()), image.size(), None, channels)
+    let frame = Frame { window: Window::whole(image.size()), film: image.size(), carried: &Carried::default() };
+    write_channels(path, frame, None, channels)
 }
 
 /// The file's ending in lower case, without its dot; empty when there is none.

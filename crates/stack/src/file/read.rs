@@ -2,15 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use super::picture::colour_prefix;
-use super::write::bucket_layer;
-use super::{FileError, Layers, StackHeader, alias};
-use crate::{
-    Component, ComponentRole, Dealing, Estimate, Feature, FeatureRole, FeatureStack, Image, Noise, SampleCounts,
-};
-
-/// Layers that a reconstruction makes; they are results, never inputs.
-const RESULTS: [&str; 9] = ["R", "G", "B", "spikes.", "mse.", "bandwidth.", "rank.", "samples.", "beauty."];
+use super::found::Found;
+use super::loaded::{Loaded, ReadOptions, load};
+use super::own::{header_of, is_own, load_own, read_own};
+use super::sources::{Source, read_sources};
+use super::together::{alone, several};
+use super::{Carried, FileError, Layers, StackHeader};
+use crate::FeatureStack;
 
 /// A stack as it was read.
 #[derive(Clone, Debug)]
@@ -21,6 +19,49 @@ pub struct ReadStack {
     pub header: Option<StackHeader>,
     /// What was found and how it was understood, a line each.
     pub notes: Vec<String>,
+    /// The same, to be looked up.
+    pub found: Found,
+    /// What the file says beside its pixels.
+    pub carried: Carried,
+}
+
+/// The files a stack is in.
+#[derive(Clone, Debug)]
+pub enum Inputs {
+    /// One stack: a file with layers, or several whose names say what they are.
+    Files(Vec<Source>),
+    /// Two renders of equal standing, and perhaps files with features that these lack.
+    Halves([PathBuf; 2], Vec<Source>),
+    /// Two or more independent renders.
+    Buckets(Vec<PathBuf>),
+}
+
+/// Reads the stack in `inputs`.
+///
+/// # Errors
+/// When a file cannot be read, has no colour, does not fit the others, or leaves open what is what.
+pub fn read_inputs(inputs: &Inputs, options: &ReadOptions) -> Result<ReadStack, FileError> {
+    check_counts(inputs, options)?;
+    match inputs {
+        Inputs::Files(files) => read_files(files, options),
+        Inputs::Halves(halves, features) => read_halves(halves, features, options),
+        Inputs::Buckets(paths) => {
+            if paths.len() < 2 {
+                return Err(FileError::TooFewBuckets { found: paths.len() });
+            }
+            several(load_renders(paths, options)?, paths, &options.spp, false)
+        }
+    }
+}
+
+fn check_counts(inputs: &Inputs, options: &ReadOptions) -> Result<(), FileError> {
+    let (renders, name) = match inputs {
+        Inputs::Files(_) => (1, "one render".to_string()),
+        Inputs::Halves(..) => (2, "two halves".to_string()),
+        Inputs::Buckets(paths) => (paths.len(), format!("{} buckets", paths.len())),
+    };
+    let given = options.spp.len();
+    if given > 1 && given != renders { Err(FileError::SampleCounts { given, renders: name }) } else { Ok(()) }
 }
 
 /// Reads a stack from one file.
@@ -28,136 +69,7 @@ pub struct ReadStack {
 /// # Errors
 /// When the file cannot be read or holds no colour.
 pub fn read_stack(path: &Path) -> Result<ReadStack, FileError> {
-    let mut layers = Layers::read(path)?;
-    let header = layers.metadata.take().and_then(|json| serde_json::from_value::<StackHeader>(json).ok());
-    match header {
-        Some(header) if layers.has("noisy.R") => read_own(layers, header),
-        _ => read_foreign(layers),
-    }
-}
-
-fn read_own(mut layers: Layers, header: StackHeader) -> Result<ReadStack, FileError> {
-    let missing = |wanted, expected: &str, layers: &Layers| FileError::Missing {
-        path: layers.path.clone(),
-        wanted,
-        expected: expected.into(),
-        found: layers.names(),
-    };
-    let total = layers.take("samples.Y").ok_or_else(|| missing("sample counts", "samples.Y", &layers))?;
-    let samples = SampleCounts {
-        first: header.first,
-        total: total.into_iter().map(|n| n as u32).collect(),
-        dealing: Dealing::Numbered { sequences: header.sequences, buckets: header.buckets },
-    };
-    let mut components = Vec::new();
-    for role in ComponentRole::ALL {
-        let buckets = header.buckets as usize;
-        if let Some(radiance) = take_estimate(&mut layers, role.layer(), &["R", "G", "B"], buckets, &samples) {
-            components.push(Component { role, radiance });
-        }
-    }
-    if components.is_empty() {
-        return Err(missing("colour", "noisy.R noisy.G noisy.B and their buckets", &layers));
-    }
-    let mut features = Vec::new();
-    for role in FeatureRole::ALL {
-        let many = layers.has(&format!("{}.bucket0.{}", role.layer(), role.channels()[0]));
-        let buckets = if many { header.buckets } else { header.buckets.min(2) } as usize;
-        if let Some(estimate) = take_estimate(&mut layers, role.layer(), role.channels(), buckets, &samples) {
-            features.push(Feature { role, estimate });
-        }
-    }
-    Ok(ReadStack { stack: assemble(layers, samples, components, features), header: Some(header), notes: Vec::new() })
-}
-
-fn assemble(
-    mut layers: Layers,
-    samples: SampleCounts,
-    components: Vec<Component>,
-    features: Vec<Feature>,
-) -> FeatureStack {
-    let is_result =
-        |name: &str| RESULTS.iter().any(|r| if r.ends_with('.') { name.starts_with(r) } else { name == *r });
-    layers.channels.retain(|channel| !is_result(&channel.name));
-    let (window, film, passthrough) = (layers.window, layers.film, layers.channels);
-    FeatureStack { window, film, samples, components, features, passthrough }
-}
-
-fn take_image(layers: &mut Layers, names: &[String]) -> Option<Image> {
-    if !names.iter().all(|name| layers.has(name)) {
-        return None;
-    }
-    let planes = names.iter().filter_map(|name| layers.take(name)).collect();
-    Some(Image::from_channels(layers.window.size, planes))
-}
-
-fn full_names(layer: &str, channels: &[&str]) -> Vec<String> {
-    channels.iter().map(|channel| format!("{layer}.{channel}")).collect()
-}
-
-/// An estimate of ours: from its buckets when all are there, else its mean alone.
-fn take_estimate(
-    layers: &mut Layers,
-    layer: &str,
-    channels: &[&str],
-    buckets: usize,
-    samples: &SampleCounts,
-) -> Option<Estimate> {
-    let mean = take_image(layers, &full_names(layer, channels))?;
-    if buckets < 2 {
-        return Some(Estimate { mean, noise: Noise::Unknown });
-    }
-    let buckets: Option<Vec<Image>> =
-        (0..buckets).map(|b| take_image(layers, &full_names(&bucket_layer(layer, b, buckets), channels))).collect();
-    Some(match buckets {
-        Some(buckets) => Estimate::from_buckets(buckets, samples),
-        None => Estimate { mean, noise: Noise::Unknown },
-    })
-}
-
-fn read_foreign(mut layers: Layers) -> Result<ReadStack, FileError> {
-    let (colour, features) = take_foreign(&mut layers)?;
-    let samples = SampleCounts::uniform(colour.pixels(), vec![1]);
-    let estimate = |mean| Estimate { mean, noise: Noise::Unknown };
-    let components = vec![Component { role: ComponentRole::Scattered, radiance: estimate(colour) }];
-    let features: Vec<Feature> =
-        features.into_iter().map(|(role, mean)| Feature { role, estimate: estimate(mean) }).collect();
-    let notes = vec![format!("found colour{}; nothing about its noise", list(&features))];
-    Ok(ReadStack { stack: assemble(layers, samples, components, features), header: None, notes })
-}
-
-type ForeignFeatures = Vec<(FeatureRole, Image)>;
-
-/// The colour of a foreign file and every feature that goes by a known name.
-fn take_foreign(layers: &mut Layers) -> Result<(Image, ForeignFeatures), FileError> {
-    let colour = take_colour(layers)?;
-    let mut features = Vec::new();
-    for role in FeatureRole::ALL {
-        let names: Vec<&str> = layers.channels.iter().map(|channel| channel.name.as_str()).collect();
-        if let Some(image) = alias::find(role, &names).and_then(|names| take_image(layers, &names)) {
-            features.push((role, image));
-        }
-    }
-    Ok((colour, features))
-}
-
-/// The noisy picture: in a file of ours the sum of its components, since `R G B` is a result there.
-fn take_colour(layers: &mut Layers) -> Result<Image, FileError> {
-    if layers.metadata.is_some() && layers.has("noisy.R") {
-        let mut sum = Image::zeros(layers.window.size, 3);
-        for role in ComponentRole::ALL {
-            take_image(layers, &full_names(role.layer(), &["R", "G", "B"])).iter().for_each(|part| sum.add(part));
-        }
-        return Ok(sum);
-    }
-    let prefix = colour_prefix(layers)?;
-    let names = ["R", "G", "B"].map(|c| format!("{prefix}{c}"));
-    let planes = names.iter().filter_map(|name| layers.take(name)).collect();
-    Ok(Image::from_channels(layers.window.size, planes))
-}
-
-fn list(features: &[Feature]) -> String {
-    features.iter().map(|feature| format!(", {}", feature.role.layer())).collect()
+    read_files(&[Source::from(path)], &ReadOptions::default())
 }
 
 /// Reads independent renders of one picture, each with its own colour and features, as the buckets of one stack.
@@ -165,87 +77,63 @@ fn list(features: &[Feature]) -> String {
 /// # Errors
 /// When there are fewer than two, one cannot be read, sizes or features differ, or two hold the same noise.
 pub fn read_buckets(paths: &[PathBuf]) -> Result<ReadStack, FileError> {
-    if paths.len() < 2 {
-        return Err(FileError::TooFewBuckets { found: paths.len() });
-    }
-    let mut colours = Vec::new();
-    let mut features: Vec<(FeatureRole, Vec<Image>)> = Vec::new();
-    let mut first: Option<Layers> = None;
-    for path in paths {
-        let mut layers = Layers::read(path)?;
-        let (colour, found) = take_foreign(&mut layers)?;
-        let like = first.get_or_insert(layers);
-        check_size(path, &colour, like)?;
-        if colours.is_empty() {
-            features = found.into_iter().map(|(role, image)| (role, vec![image])).collect();
-        } else {
-            add_features(path, &mut features, found)?;
-        }
-        colours.push(colour);
-    }
-    check_independent(paths, &colours)?;
-    let Some(layers) = first else { return Err(FileError::TooFewBuckets { found: 0 }) };
-    Ok(bucket_stack(layers, colours, features))
+    read_inputs(&Inputs::Buckets(paths.to_vec()), &ReadOptions::default())
 }
 
-fn check_size(path: &Path, colour: &Image, like: &Layers) -> Result<(), FileError> {
-    let (expected, found) = (like.window.size, colour.size());
-    if expected == found {
-        return Ok(());
-    }
-    Err(FileError::SizeDiffers { path: path.into(), like: like.path.clone(), expected, found })
-}
-
-fn add_features(
-    path: &Path,
-    features: &mut [(FeatureRole, Vec<Image>)],
-    found: ForeignFeatures,
-) -> Result<(), FileError> {
-    let mut found: Vec<(FeatureRole, Option<Image>)> = found.into_iter().map(|(role, i)| (role, Some(i))).collect();
-    for (role, images) in features {
-        let image = found.iter_mut().find(|(r, _)| r == role).and_then(|(_, image)| image.take());
-        images.push(image.ok_or_else(|| FileError::Missing {
-            path: path.into(),
-            wanted: role.layer(),
-            expected: "the same features as in the other buckets".into(),
-            found: "none of that role".into(),
-        })?);
-    }
-    Ok(())
-}
-
-/// Refuses two buckets with the very same pixels, unless the picture has no noise at all.
-fn check_independent(paths: &[PathBuf], colours: &[Image]) -> Result<(), FileError> {
-    for i in 0..colours.len() {
-        for j in 0..i {
-            let flat = colours[i].channels().iter().all(|plane| plane.iter().all(|v| *v == plane[0]));
-            if colours[i] == colours[j] && !flat {
-                return Err(FileError::SameNoise { first: paths[j].clone(), second: paths[i].clone() });
-            }
+fn read_files(files: &[Source], options: &ReadOptions) -> Result<ReadStack, FileError> {
+    let (layers, said) = read_sources(files)?;
+    match header_of(&layers) {
+        Some(header) if is_own(&layers) => read_own(layers, header),
+        _ => {
+            let map = said.into_iter().chain(options.map.iter().cloned()).collect();
+            Ok(alone(load(layers, &ReadOptions { map, ..options.clone() }, 0, false)?))
         }
     }
-    Ok(())
 }
 
-/// Whether a file of ours has the channel `name` for a component or feature.
-fn is_own_input(name: &str) -> bool {
-    let components = ComponentRole::ALL.map(ComponentRole::layer);
-    let mut layers = components.into_iter().chain(FeatureRole::ALL.map(FeatureRole::layer));
-    let own = |rest: &str| [".", "A.", "B.", "Variance."].iter().any(|form| rest.starts_with(form));
-    layers.any(|layer| name.strip_prefix(layer).is_some_and(own))
-}
-
-fn bucket_stack(mut layers: Layers, colours: Vec<Image>, features: Vec<(FeatureRole, Vec<Image>)>) -> ReadStack {
-    if layers.metadata.is_some() {
-        layers.channels.retain(|channel| !is_own_input(&channel.name));
+fn load_renders(paths: &[PathBuf], options: &ReadOptions) -> Result<Vec<Loaded>, FileError> {
+    let mut renders: Vec<Loaded> = Vec::new();
+    for (nth, path) in paths.iter().enumerate() {
+        let layers = Layers::read(path)?;
+        let render = if is_own(&layers) { load_own(layers) } else { load(layers, options, nth, true)? };
+        check_size(&render.rest, renders.first().map(|first| &first.rest))?;
+        renders.push(render);
     }
-    let samples = SampleCounts::uniform(layers.window.size.pixels(), vec![1; colours.len()]);
-    let features: Vec<Feature> = features
-        .into_iter()
-        .map(|(role, buckets)| Feature { role, estimate: Estimate::from_buckets(buckets, &samples) })
-        .collect();
-    let notes = vec![format!("found {} buckets with colour{}", colours.len(), list(&features))];
-    let radiance = Estimate::from_buckets(colours, &samples);
-    let component = Component { role: ComponentRole::Scattered, radiance };
-    ReadStack { stack: assemble(layers, samples, vec![component], features), header: None, notes }
+    Ok(renders)
+}
+
+fn check_size(layers: &Layers, like: Option<&Layers>) -> Result<(), FileError> {
+    let Some(like) = like.filter(|like| like.window.size != layers.window.size) else { return Ok(()) };
+    Err(FileError::SizeDiffers {
+        path: layers.path.clone(),
+        like: like.path.clone(),
+        expected: like.window.size,
+        found: layers.window.size,
+    })
+}
+
+/// Two renders as halves. What only `features` has is taken from there.
+fn read_halves(halves: &[PathBuf; 2], features: &[Source], options: &ReadOptions) -> Result<ReadStack, FileError> {
+    let renders = load_renders(halves, options)?;
+    let first_size = renders[0].rest.window.size;
+    let mut read = several(renders, halves, &options.spp, true)?;
+    if features.is_empty() {
+        return Ok(read);
+    }
+    let mut more = read_files(features, &ReadOptions { spp: Vec::new(), ..options.clone() })?;
+    if more.stack.size() != first_size {
+        let (path, like) = (features[0].path.clone(), halves[0].clone());
+        return Err(FileError::SizeDiffers { path, like, expected: first_size, found: more.stack.size() });
+    }
+    more.stack.features.retain(|feature| read.stack.feature(feature.role).is_none());
+    for feature in &more.stack.features {
+        let found = more.found.roles.iter().find(|found| found.role == feature.role.layer());
+        read.found.roles.extend(found.cloned());
+        read.found.without.retain(|missing| missing != feature.role.layer());
+    }
+    read.stack.features.append(&mut more.stack.features);
+    let place = |role| crate::FeatureRole::ALL.iter().position(|r| *r == role);
+    read.stack.features.sort_by_key(|feature| place(feature.role));
+    read.notes = read.found.lines();
+    Ok(read)
 }

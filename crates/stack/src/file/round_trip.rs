@@ -45,7 +45,7 @@ fn stack() -> FeatureStack {
 }
 
 fn header() -> StackHeader {
-    StackHeader { first: 0, sequences: 8, buckets: 8, settings: serde_json::json!({"seed": 3}) }
+    StackHeader { first: 0, sequences: 8, buckets: 8, per_bucket: None, settings: serde_json::json!({"seed": 3}) }
 }
 
 #[test]
@@ -55,7 +55,7 @@ fn a_stack_is_read_back_bit_for_bit() {
     let stack = stack();
     let picture = image(3, 99);
     let results = [ResultLayer { name: "", channels: &["R", "G", "B"], planes: picture.channels() }];
-    write_stack(&path, &stack, true, &header(), &results).unwrap();
+    write_stack(&path, &stack, true, &header(), &results, &Carried::default()).unwrap();
     let read = read_stack(&path).unwrap();
     assert_eq!(read.header.unwrap(), header());
     assert_eq!(read.stack, stack);
@@ -67,7 +67,7 @@ fn equal_stacks_write_equal_bytes() {
     let folder = tempfile::tempdir().unwrap();
     let written = ["a.exr", "b.exr"].map(|name| {
         let path = folder.path().join(name);
-        write_stack(&path, &stack(), true, &header(), &[]).unwrap();
+        write_stack(&path, &stack(), true, &header(), &[], &Carried::default()).unwrap();
         std::fs::read(path).unwrap()
     });
     assert_eq!(written[0], written[1]);

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::FileError;
 use super::borrowed::BorrowedSamples;
-use super::layers::write_channels;
-use crate::{Estimate, FeatureStack, Image, Noise};
+use super::layers::{Frame, write_channels};
+use super::{Carried, FileError};
+use crate::{ComponentRole, Dealing, Estimate, FeatureRole, FeatureStack, Image, Noise};
 
 /// What a stack's file says about itself, beside its channels.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -18,8 +18,30 @@ pub struct StackHeader {
     pub sequences: u32,
     /// Buckets.
     pub buckets: u32,
+    /// Samples of each bucket, where these do not follow from their number alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub per_bucket: Option<Vec<u32>>,
     /// Every setting the picture was made with, so that it can be made again.
     pub settings: serde_json::Value,
+}
+
+impl StackHeader {
+    /// What `stack`, which no film of ours made, is to us: as many sequences as buckets.
+    pub fn of(stack: &FeatureStack, settings: serde_json::Value) -> Self {
+        let buckets = stack.samples.dealing.buckets() as u32;
+        let header = Self { first: stack.samples.first, sequences: buckets, buckets, per_bucket: None, settings };
+        match &stack.samples.dealing {
+            Dealing::Numbered { sequences, .. } => Self { sequences: *sequences, ..header },
+            Dealing::PerBucket(counts) if counts.len() < 2 || is_even(counts, &stack.samples.total) => header,
+            Dealing::PerBucket(counts) => Self { per_bucket: Some(counts.clone()), ..header },
+        }
+    }
+}
+
+/// Whether every bucket of every pixel holds equally many samples.
+fn is_even(counts: &[u32], total: &[u32]) -> bool {
+    let sum: u32 = counts.iter().sum();
+    counts.iter().all(|n| *n == counts[0]) && total.iter().all(|n| *n == sum)
 }
 
 /// A named result to write beside the stack: one plane for each of `channels`.
@@ -33,7 +55,8 @@ pub struct ResultLayer<'a> {
     pub planes: &'a [Vec<f32>],
 }
 
-/// Writes `results`, and with `stack` all that a reconstruction starts from, to one EXR file, atomically.
+/// Writes `results`, and with `with_inputs` all that a reconstruction starts from, to one EXR file, atomically, with what
+/// is `carried` from the file the stack was read from.
 ///
 /// # Errors
 /// When the file cannot be written.
@@ -43,6 +66,7 @@ pub fn write_stack(
     with_inputs: bool,
     header: &StackHeader,
     results: &[ResultLayer<'_>],
+    carried: &Carried,
 ) -> Result<(), FileError> {
     let mut channels = Vec::new();
     for layer in results {
@@ -57,7 +81,8 @@ pub fn write_stack(
     }
     channels.extend(stack.passthrough.iter().map(|c| (c.name.clone(), BorrowedSamples::Any(&c.samples))));
     let metadata = serde_json::to_value(header).ok();
-    write_channels(path, stack.window, stack.film, metadata.as_ref(), channels)
+    let frame = Frame { window: stack.window, film: stack.film, carried };
+    write_channels(path, frame, metadata.as_ref(), channels)
 }
 
 type Channels<'a> = Vec<(String, BorrowedSamples<'a>)>;
@@ -101,4 +126,14 @@ fn push_image<'a>(channels: &mut Channels<'a>, layer: &str, names: &[&str], imag
 
 fn full_name(layer: &str, channel: &str) -> String {
     if layer.is_empty() { channel.into() } else { format!("{layer}.{channel}") }
+}
+
+/// Whether a file of ours may have a channel called `name` that is not carried along.
+pub(super) fn may_write(name: &str) -> bool {
+    let Some((layer, _)) = name.rsplit_once('.') else { return ["R", "G", "B"].contains(&name) };
+    let components = ComponentRole::ALL.map(ComponentRole::layer);
+    let mut inputs = components.into_iter().chain(FeatureRole::ALL.map(FeatureRole::layer));
+    let is_estimate = |rest: &str| ["", "A", "B", "Variance"].contains(&rest) || rest.starts_with(".bucket");
+    ["samples", "mse", "spikes", "bandwidth", "rank"].contains(&layer)
+        || inputs.any(|input| layer.strip_prefix(input).is_some_and(is_estimate))
 }

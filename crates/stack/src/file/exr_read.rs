@@ -1,0 +1,214 @@
+//! Reads the channels of an EXR file, block by block.
+//!
+//! By blocks, and not with the `exr` crate's own image reader: sizes are checked before anything is allocated, and a
+//! block that cannot be decoded is an error of the thread that asked for it.
+
+use std::collections::HashSet;
+use std::fs::File;
+use std::io::{BufReader, Read, Seek, SeekFrom};
+use std::path::Path;
+
+use exr::block::UncompressedBlock;
+use exr::block::chunk::Chunk;
+use exr::block::lines::LineRef;
+use exr::meta::attribute::SampleType;
+use exr::meta::header::Header;
+use exr::prelude::{Compression, FlatSamples, Text, Vec2, f16};
+use rayon::prelude::*;
+
+use super::layers::METADATA;
+use super::memory::check_fits;
+use super::{Carried, FileError, Layers, Passthrough};
+use crate::{Size, Window};
+
+/// Blocks that are decoded at a time: enough for many threads, few enough not to hold the file twice.
+const BATCH: usize = 64;
+
+/// Bytes that one byte of a file can stand for: deflate reaches 1032, the others of bounded codecs less.
+const MOST_COMPRESSED: u128 = 1100;
+
+/// Bytes that any file may claim.
+const SLACK: u128 = 1 << 20;
+
+/// Channels a file may have; more are a mistake, or malice.
+const MOST_CHANNELS: usize = 1 << 14;
+
+/// Reads all channels of all parts, of the finest level.
+///
+/// # Errors
+/// When the file is absent, damaged, larger than memory, or of a kind that is not supported (deep data, subsampled
+/// channels, parts of different size).
+pub fn read_exr(path: &Path) -> Result<Layers, FileError> {
+    let file = File::open(path).map_err(|source| FileError::io(path, "read", source))?;
+    read_exr_from(path, BufReader::new(file))
+}
+
+/// As [`read_exr`], from anywhere; `path` is what messages call it.
+pub(super) fn read_exr_from(path: &Path, mut source: impl Read + Seek) -> Result<Layers, FileError> {
+    let damaged = |error| understand(path, error);
+    let length = source.seek(SeekFrom::End(0)).and_then(|length| source.rewind().map(|()| length));
+    let length = length.map_err(|source| FileError::io(path, "read", source))?;
+    let reader = exr::block::read(source, false).map_err(damaged)?;
+    let headers = reader.headers().to_vec();
+    let mut layers = frame(path, &headers)?;
+    check_length(path, &headers, length)?;
+    let chunks = reader.filter_chunks(false, |_, _, block| block.level == Vec2(0, 0)).map_err(damaged)?;
+    let mut parts: Vec<Vec<FlatSamples>> = headers.iter().map(planes).collect();
+    let (mut chunks, mut seen) = (chunks.into_iter(), HashSet::new());
+    let meta =
+        exr::meta::MetaData { requirements: requirements(&headers, path)?, headers: headers.iter().cloned().collect() };
+    loop {
+        let batch: Vec<Chunk> = chunks.by_ref().take(BATCH).collect::<Result<_, _>>().map_err(damaged)?;
+        if batch.is_empty() {
+            break;
+        }
+        let decode = |chunk| UncompressedBlock::decompress_chunk(chunk, &meta, false);
+        let blocks: Vec<UncompressedBlock> =
+            batch.into_par_iter().map(decode).collect::<Result<_, _>>().map_err(damaged)?;
+        for block in &blocks {
+            let position = block.index.pixel_position;
+            if !seen.insert((block.index.layer, position.x(), position.y())) {
+                return Err(broken(path, "a block of pixels is there twice"));
+            }
+            place(block, &headers[block.index.layer], &mut parts[block.index.layer]).map_err(damaged)?;
+        }
+    }
+    for (header, planes) in headers.iter().zip(parts) {
+        let names = header.channels.list.iter().map(|channel| full_name(header, headers.len(), &channel.name));
+        layers.channels.extend(names.zip(planes).map(|(name, samples)| Passthrough { name, samples }));
+    }
+    check_names(path, &layers)?;
+    Ok(layers)
+}
+
+fn requirements(headers: &[Header], path: &Path) -> Result<exr::meta::Requirements, FileError> {
+    exr::meta::MetaData::validate(headers, false).map_err(|error| understand(path, error))
+}
+
+/// Refuses a file of `length` bytes that is too short for the pixels its headers claim, before room is made for them.
+fn check_length(path: &Path, headers: &[Header], length: u64) -> Result<(), FileError> {
+    let most = u128::from(length) * MOST_COMPRESSED + SLACK;
+    let is_bounded = |header: &&Header| !matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_));
+    let bytes = |header: &Header| header.layer_size.area() as u128 * header.channels.bytes_per_pixel as u128;
+    if headers.iter().filter(is_bounded).map(bytes).sum::<u128>() > most {
+        return Err(broken(path, "it is too short for the size its header claims"));
+    }
+    Ok(())
+}
+
+/// Everything but the pixels, after checks that nothing will be asked for that cannot be had.
+fn frame(path: &Path, headers: &[Header]) -> Result<Layers, FileError> {
+    let first = headers.first().ok_or_else(|| broken(path, "it has no part"))?;
+    let mut bytes = 0;
+    for header in headers {
+        if header.deep {
+            return Err(unsupported(path, "deep pixels", "flatten the picture first"));
+        }
+        if header.channels.list.iter().any(|channel| channel.sampling != Vec2(1, 1)) {
+            return Err(unsupported(path, "subsampled channels", "write all channels at full resolution"));
+        }
+        if (header.layer_size, header.own_attributes.layer_position)
+            != (first.layer_size, first.own_attributes.layer_position)
+        {
+            return Err(unsupported(path, "parts of different size", "give each part as a file of its own"));
+        }
+        bytes += header.channels.bytes_per_pixel;
+    }
+    if headers.iter().map(|header| header.channels.list.len()).sum::<usize>() > MOST_CHANNELS {
+        return Err(unsupported(path, "more than 16384 channels", "leave out what is not needed"));
+    }
+    let size = first.layer_size;
+    check_fits(path, (size.width(), size.height()), bytes)?;
+    let display = first.shared_attributes.display_window;
+    let offset = |data: i32, display: i32| {
+        data.checked_sub(display).ok_or_else(|| broken(path, "its windows lie too far apart"))
+    };
+    let position = first.own_attributes.layer_position;
+    let (x, y) = (offset(position.x(), display.position.x())?, offset(position.y(), display.position.y())?);
+    let own = headers.iter().map(|header| header.own_attributes.clone());
+    let mut carried = Carried::new(first.shared_attributes.clone(), own);
+    let metadata = carried.take_text(METADATA).and_then(|text| serde_json::from_str(&text).ok());
+    Ok(Layers {
+        path: path.into(),
+        window: Window { x, y, size: Size::new(size.width(), size.height()) },
+        film: Size::new(display.size.width(), display.size.height()),
+        channels: Vec::new(),
+        metadata,
+        carried,
+    })
+}
+
+/// A channel's name with that of its part in front, where there are several parts and it is not there already (Blender
+/// repeats it).
+fn full_name(header: &Header, parts: usize, channel: &Text) -> String {
+    let channel = channel.to_string();
+    let part = header.own_attributes.layer_name.as_ref().filter(|_| parts > 1).map(Text::to_string);
+    match part {
+        Some(part) if !part.is_empty() && !channel.starts_with(&format!("{part}.")) => format!("{part}.{channel}"),
+        _ => channel,
+    }
+}
+
+fn check_names(path: &Path, layers: &Layers) -> Result<(), FileError> {
+    let mut names = HashSet::new();
+    match layers.channels.iter().find(|channel| !names.insert(&channel.name)) {
+        Some(twice) => Err(broken(path, &format!("channel {} is there twice", twice.name))),
+        None => Ok(()),
+    }
+}
+
+fn planes(header: &Header) -> Vec<FlatSamples> {
+    let pixels = header.layer_size.area();
+    let plane = |kind| match kind {
+        SampleType::F32 => FlatSamples::F32(vec![0.0; pixels]),
+        SampleType::F16 => FlatSamples::F16(vec![f16::ZERO; pixels]),
+        SampleType::U32 => FlatSamples::U32(vec![0; pixels]),
+    };
+    header.channels.list.iter().map(|channel| plane(channel.sample_type)).collect()
+}
+
+/// Copies the lines of a block to where they belong.
+fn place(block: &UncompressedBlock, header: &Header, planes: &mut [FlatSamples]) -> exr::error::UnitResult {
+    let size = header.layer_size;
+    for line in block.lines(&header.channels) {
+        let (at, count) = (line.location.position, line.location.sample_count);
+        let start = at.y() * size.width() + at.x();
+        let inside = at.x() + count <= size.width() && at.y() < size.height();
+        let plane = planes.get_mut(line.location.channel).filter(|_| inside);
+        let plane = plane.ok_or(exr::error::Error::Invalid("a block lies outside the picture".into()))?;
+        copy_line(line, plane, start..start + count)?;
+    }
+    Ok(())
+}
+
+fn copy_line(line: LineRef<'_>, plane: &mut FlatSamples, range: std::ops::Range<usize>) -> exr::error::UnitResult {
+    match plane {
+        FlatSamples::F32(values) => line.read_samples_into_slice(&mut values[range]),
+        FlatSamples::F16(values) => line.read_samples_into_slice(&mut values[range]),
+        FlatSamples::U32(values) => line.read_samples_into_slice(&mut values[range]),
+    }
+}
+
+fn broken(path: &Path, reason: &str) -> FileError {
+    FileError::Damaged { path: path.into(), format: "OpenEXR", reason: reason.into() }
+}
+
+fn unsupported(path: &Path, what: &str, remedy: &'static str) -> FileError {
+    FileError::Unsupported { path: path.into(), what: what.into(), remedy }
+}
+
+/// An error of the `exr` crate as one of ours.
+pub(super) fn understand(path: &Path, error: exr::error::Error) -> FileError {
+    use exr::error::Error;
+    match error {
+        Error::Io(source) => FileError::io(path, "write", source),
+        Error::NotSupported(what) if what.contains("deep") => {
+            unsupported(path, "deep pixels", "flatten the picture first")
+        }
+        Error::NotSupported(what) => {
+            FileError::Unsupported { path: path.into(), what: what.into_owned(), remedy: "convert the file first" }
+        }
+        Error::Invalid(reason) => broken(path, &reason),
+        Error::Aborted => broken(path, "reading stopped"),
+    }
+}

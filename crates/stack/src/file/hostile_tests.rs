@@ -1,0 +1,221 @@
+//! Damaged and malicious files end in an error: no panic, no hang, no memory that is not there.
+
+use std::io::Cursor;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use exr::prelude::{
+    AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image as ExrImage, Layer, LayerAttributes,
+    LineOrder, Vec2, WritableImage, f16,
+};
+
+use super::exr_read::read_exr_from;
+use super::loaded::{ReadOptions, load};
+use super::test_files::{Files, noise};
+use super::together::alone;
+use super::*;
+use crate::Noise;
+
+/// Longest that a small file may take, on a busy machine.
+const LONGEST: Duration = Duration::from_secs(20);
+
+/// A small picture in every common form.
+fn seeds() -> Vec<Vec<u8>> {
+    let scan = |compression| Encoding { compression, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
+    let tiles = |compression| Encoding { blocks: Blocks::Tiles(Vec2(4, 4)), ..scan(compression) };
+    let encodings = [
+        scan(Compression::Uncompressed),
+        scan(Compression::RLE),
+        scan(Compression::ZIP1),
+        scan(Compression::ZIP16),
+        scan(Compression::PIZ),
+        scan(Compression::PXR24),
+        scan(Compression::B44),
+        tiles(Compression::Uncompressed),
+        tiles(Compression::ZIP16),
+        tiles(Compression::PIZ),
+    ];
+    encodings.into_iter().map(picture).collect()
+}
+
+fn picture(encoding: Encoding) -> Vec<u8> {
+    let plane = |name: &str| (0..70).map(|i| noise(name, i)).collect::<Vec<f32>>();
+    let half = |name: &str| FlatSamples::F16(plane(name).into_iter().map(f16::from_f32).collect());
+    let names = [
+        "R",
+        "G",
+        "B",
+        "Albedo.R",
+        "Albedo.G",
+        "Albedo.B",
+        "Ns.X",
+        "Ns.Y",
+        "Ns.Z",
+        "Variance.R",
+        "Variance.G",
+        "Variance.B",
+    ];
+    let mut channels: exr::prelude::SmallVec<[AnyChannel<FlatSamples>; 4]> = names
+        .map(|name| AnyChannel::new(name, if name.len() > 4 { half(name) } else { FlatSamples::F32(plane(name)) }))
+        .into_iter()
+        .collect();
+    channels.push(AnyChannel::new("id", FlatSamples::U32((0..70).collect())));
+    let layer = Layer::new((10, 7), LayerAttributes::default(), encoding, AnyChannels::sort(channels));
+    let mut bytes = Cursor::new(Vec::new());
+    ExrImage::from_layer(layer).write().to_buffered(&mut bytes).unwrap();
+    bytes.into_inner()
+}
+
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, n: usize) -> usize {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) as usize % n
+    }
+}
+
+/// One to four wounds: a byte, a number that is too large, a piece cut out or doubled, an early end.
+fn wound(bytes: &mut Vec<u8>, random: &mut Random) {
+    for _ in 0..=random.below(4) {
+        // Half of the wounds hit the header, where they do most harm.
+        let reach = if random.below(2) == 0 { bytes.len().min(1200) } else { bytes.len() };
+        if reach < 16 {
+            return;
+        }
+        let at = random.below(reach - 8);
+        match random.below(6) {
+            0 => bytes[at] = random.below(256) as u8,
+            1 => bytes[at] ^= 1 << random.below(8),
+            2 => {
+                let extremes = [0_u32, 1, 0x7fff_ffff, 0x8000_0000, 0xffff_ffff, 65536, 1 << 24];
+                bytes[at..at + 4].copy_from_slice(&extremes[random.below(extremes.len())].to_le_bytes());
+            }
+            3 => bytes.truncate(at),
+            4 => drop(bytes.drain(at..at + 1 + random.below(7))),
+            _ => {
+                let piece = bytes[at..at + 8].to_vec();
+                bytes.splice(at..at, piece);
+            }
+        }
+    }
+}
+
+fn survive(cases: usize, seed: u64) {
+    let seeds = seeds();
+    let mut random = Random(seed);
+    let mut read = 0;
+    for case in 0..cases {
+        let mut bytes = seeds[case % seeds.len()].clone();
+        wound(&mut bytes, &mut random);
+        let start = Instant::now();
+        // What is still readable goes all the way to a stack.
+        let layers = read_exr_from(Path::new("wounded.exr"), Cursor::new(bytes));
+        if let Ok(stack) = layers.and_then(|layers| load(layers, &ReadOptions::default(), 0, false)).map(alone) {
+            read += 1;
+            let radiance = &stack.stack.components[0].radiance;
+            assert!(radiance.mean.channels().iter().flatten().all(|v| v.is_finite() && *v >= 0.0));
+            if let Noise::VarianceOfMean(variance) = &radiance.noise {
+                assert!(variance.channels().iter().flatten().all(|v| v.is_finite() && *v >= 0.0));
+            }
+        }
+        assert!(start.elapsed() < LONGEST, "case {case} took {:?}", start.elapsed());
+    }
+    assert!(read > cases / 100, "some wounds are harmless: {read} of {cases}");
+}
+
+#[test]
+fn wounded_files_are_refused_or_read() {
+    let cases = std::env::var("TAMIS_WOUNDED_FILES").ok().and_then(|n| n.parse().ok()).unwrap_or(4000);
+    survive(cases, 0x9E37_79B9_7F4A_7C15);
+}
+
+#[test]
+#[ignore = "takes minutes"]
+fn a_million_wounded_files_are_refused_or_read() {
+    survive(1_000_000, 0xD1B5_4A32_D192_ED03);
+}
+
+#[test]
+fn wounded_pfm_files_are_refused_or_read() {
+    let folder = Files::new();
+    let (path, mut random) = (folder.path("a.pfm"), Random(77));
+    for case in 0..500 {
+        let mut bytes = b"PF\n4 3\n-1.0\n".to_vec();
+        bytes.extend([0x3f; 144]);
+        wound(&mut bytes, &mut random);
+        std::fs::write(&path, bytes).unwrap();
+        let _ = Layers::read(&path).map(|layers| assert!(!layers.channels.is_empty(), "{case}"));
+    }
+}
+
+/// A file whose header says that its picture is `width` × `height`, and that has nothing else.
+fn claims(width: i32, height: i32) -> Vec<u8> {
+    let mut bytes = picture(Encoding {
+        compression: Compression::ZIP16,
+        blocks: Blocks::ScanLines,
+        line_order: LineOrder::Increasing,
+    });
+    for name in ["dataWindow\0box2i\0", "displayWindow\0box2i\0"] {
+        let at = value_of(&bytes, name);
+        bytes[at + 8..at + 12].copy_from_slice(&(width - 1).to_le_bytes());
+        bytes[at + 12..at + 16].copy_from_slice(&(height - 1).to_le_bytes());
+    }
+    let at = value_of(&bytes, "chunkCount\0int\0");
+    bytes[at..at + 4].copy_from_slice(&((height + 15) / 16).to_le_bytes());
+    bytes
+}
+
+/// Where the value of an attribute begins, after its name, type and length.
+fn value_of(bytes: &[u8], name: &str) -> usize {
+    bytes.windows(name.len()).position(|window| window == name.as_bytes()).unwrap() + name.len() + 4
+}
+
+#[test]
+fn deep_and_subsampled_files_are_refused_by_name() {
+    let refusal = |bytes: Vec<u8>| read_exr_from(Path::new("a.exr"), Cursor::new(bytes)).unwrap_err().to_string();
+    let whole = claims(10, 7);
+    let mut deep = whole.clone();
+    deep[5] |= 0x08;
+    let kind = value_of(&deep, "type\0string\0");
+    deep.splice(kind - 4..kind + 13, [&12_u32.to_le_bytes()[..], b"deepscanline"].concat());
+    deep.splice(kind - 16..kind - 16, [&b"version\0int\0"[..], &4_u32.to_le_bytes(), &1_u32.to_le_bytes()].concat());
+    assert!(refusal(deep).contains("deep"));
+    let mut subsampled = whole;
+    let channel = value_of(&subsampled, "channels\0chlist\0");
+    // Behind the first channel's name come type, flags and its sampling in x and y.
+    let sampling = channel + b"Albedo.B\0".len() + 8;
+    subsampled[sampling..sampling + 4].copy_from_slice(&2_u32.to_le_bytes());
+    let said = refusal(subsampled);
+    assert!(said.contains("subsampl") || said.contains("sampling"), "{said}");
+}
+
+#[test]
+fn more_than_there_is_memory_is_refused_before_it_is_asked_for() {
+    let start = Instant::now();
+    let read = |width, height| read_exr_from(Path::new("huge.exr"), Cursor::new(claims(width, height))).unwrap_err();
+    assert!(matches!(read(1_000_000_000, 1_000_000), FileError::TooLarge { .. }), "{}", read(1_000_000_000, 1_000_000));
+    assert!(matches!(read(2000, 2000), FileError::Damaged { .. }), "what would fit is simply cut short");
+    assert!(start.elapsed() < LONGEST);
+}
+
+#[test]
+fn pictures_of_unusual_shape_are_read() {
+    for (width, height) in [(1, 1), (1, 9), (9, 1), (65536, 1), (1, 4000)] {
+        let plane = || FlatSamples::F32(vec![0.0; width * height]);
+        let channels = ["R", "G", "B"].map(|name| AnyChannel::new(name, plane())).into_iter().collect();
+        let layer = Layer::new(
+            (width, height),
+            LayerAttributes::default(),
+            Encoding::FAST_LOSSLESS,
+            AnyChannels::sort(channels),
+        );
+        let mut bytes = Cursor::new(Vec::new());
+        ExrImage::from_layer(layer).write().to_buffered(&mut bytes).unwrap();
+        let layers = read_exr_from(Path::new("odd.exr"), Cursor::new(bytes.into_inner())).unwrap();
+        let read = alone(load(layers, &ReadOptions::default(), 0, false).unwrap());
+        assert_eq!((read.stack.size().width, read.stack.size().height), (width, height));
+    }
+}

@@ -1,0 +1,150 @@
+//! Reads what Tamis wrote.
+
+use super::counts::Spp;
+use super::found::{Found, FoundRole};
+use super::loaded::{Loaded, Plane, take_image};
+use super::role::Role;
+use super::write::bucket_layer;
+use super::{FileError, Layers, ReadStack, StackHeader};
+use crate::{
+    Component, ComponentRole, Dealing, Estimate, Feature, FeatureRole, FeatureStack, Image, Noise, SampleCounts,
+};
+
+/// Layers that a reconstruction makes; they are results, never inputs.
+const RESULTS: [&str; 9] = ["R", "G", "B", "spikes.", "mse.", "bandwidth.", "rank.", "samples.", "beauty."];
+
+/// Whether a file is one of ours that holds what a reconstruction starts from.
+pub fn is_own(layers: &Layers) -> bool {
+    layers.metadata.is_some() && layers.has("noisy.R")
+}
+
+/// What a file of ours says about itself.
+pub fn header_of(layers: &Layers) -> Option<StackHeader> {
+    layers.metadata.clone().and_then(|json| serde_json::from_value(json).ok())
+}
+
+/// Reads a stack of ours.
+///
+/// # Errors
+/// When it is not whole.
+pub fn read_own(mut layers: Layers, header: StackHeader) -> Result<ReadStack, FileError> {
+    let total = layers.take("samples.Y").ok_or_else(|| missing("sample counts", "samples.Y", &layers))?;
+    let numbered = || Dealing::Numbered { sequences: header.sequences, buckets: header.buckets };
+    let samples = SampleCounts {
+        first: header.first,
+        total: total.into_iter().map(|n| n as u32).collect(),
+        dealing: header.per_bucket.clone().map_or_else(numbered, Dealing::PerBucket),
+    };
+    let mut components = Vec::new();
+    for role in ComponentRole::ALL {
+        let buckets = header.buckets as usize;
+        if let Some(radiance) = take_estimate(&mut layers, role.layer(), &["R", "G", "B"], buckets, &samples) {
+            components.push(Component { role, radiance });
+        }
+    }
+    if components.is_empty() {
+        return Err(missing("colour", "noisy.R noisy.G noisy.B and their buckets", &layers));
+    }
+    let mut features = Vec::new();
+    for role in FeatureRole::ALL {
+        let many = layers.has(&format!("{}.bucket0.{}", role.layer(), role.channels()[0]));
+        let buckets = if many { header.buckets } else { header.buckets.min(2) } as usize;
+        if let Some(estimate) = take_estimate(&mut layers, role.layer(), role.channels(), buckets, &samples) {
+            features.push(Feature { role, estimate });
+        }
+    }
+    let is_result =
+        |name: &str| RESULTS.iter().any(|r| if r.ends_with('.') { name.starts_with(r) } else { name == *r });
+    layers.channels.retain(|channel| !is_result(&channel.name));
+    let Layers { window, film, channels: passthrough, carried, .. } = layers;
+    let stack = FeatureStack { window, film, samples, components, features, passthrough };
+    let found = found_in(&stack);
+    Ok(ReadStack { stack, header: Some(header), notes: found.lines(), found, carried })
+}
+
+fn missing(wanted: &'static str, expected: &str, layers: &Layers) -> FileError {
+    FileError::Missing { path: layers.path.clone(), wanted, expected: expected.into(), found: layers.names() }
+}
+
+fn found_in(stack: &FeatureStack) -> Found {
+    let role = |role: &str, layer: &str, channels: &[&str]| FoundRole {
+        role: role.into(),
+        channels: full_names(layer, channels),
+        noise: String::new(),
+        from: None,
+        guessed: false,
+    };
+    let component = |c: &Component| {
+        let name = if c.role == ComponentRole::Scattered { Role::Colour.name() } else { c.role.layer() };
+        role(name, c.role.layer(), &["R", "G", "B"])
+    };
+    let roles = stack.components.iter().map(component);
+    let features = stack.features.iter().map(|f| role(f.role.layer(), f.role.layer(), f.role.channels()));
+    let spp = Spp { total: stack.samples.total.clone(), from: "samples.Y".into() };
+    let mut found = Found { renderer: "Tamis".into(), spp: Some(spp.found()), ..Found::default() };
+    found.roles = roles.chain(features).collect();
+    found.conclude(stack);
+    found
+}
+
+fn full_names(layer: &str, channels: &[&str]) -> Vec<String> {
+    channels.iter().map(|channel| format!("{layer}.{channel}")).collect()
+}
+
+/// An estimate: from its buckets when all are there, else its mean, with its variance where there is one.
+fn take_estimate(
+    layers: &mut Layers,
+    layer: &str,
+    channels: &[&str],
+    buckets: usize,
+    samples: &SampleCounts,
+) -> Option<Estimate> {
+    let mean = take_image(layers, &full_names(layer, channels))?;
+    let all: Option<Vec<Image>> =
+        (0..buckets).map(|b| take_image(layers, &full_names(&bucket_layer(layer, b, buckets), channels))).collect();
+    if let Some(buckets) = all.filter(|_| buckets > 1) {
+        return Some(Estimate::from_buckets(buckets, samples));
+    }
+    let variance = take_image(layers, &full_names(&format!("{layer}Variance"), channels));
+    Some(Estimate { mean, noise: variance.map_or(Noise::Unknown, Noise::VarianceOfMean) })
+}
+
+/// A render of ours as one bucket among others: its components are one, and only its means count.
+pub fn load_own(mut layers: Layers) -> Loaded {
+    let mut colour = Image::zeros(layers.window.size, 3);
+    for role in ComponentRole::ALL {
+        let part = take_image(&mut layers, &full_names(role.layer(), &["R", "G", "B"]));
+        part.iter().for_each(|part| colour.add(part));
+    }
+    let plane = |role, mean| Plane { role, mean, halves: None, measured: None };
+    let mut planes = vec![plane(Role::Colour, colour)];
+    for role in FeatureRole::ALL {
+        let mean = take_image(&mut layers, &full_names(role.layer(), role.channels()));
+        planes.extend(mean.map(|mean| plane(Role::Feature(role), mean)));
+    }
+    let total = layers.take("samples.Y");
+    let total = total.map(|total| total.into_iter().map(|n| n as u32).collect());
+    let spp = total.map(|total| Spp { total, from: "samples.Y".into() });
+    layers.channels.retain(|channel| !is_own_channel(&channel.name));
+    let mut found = Found { renderer: "Tamis".into(), spp: spp.as_ref().map(Spp::found), ..Found::default() };
+    found.roles = planes
+        .iter()
+        .map(|p| FoundRole {
+            role: p.role.name().into(),
+            channels: Vec::new(),
+            noise: String::new(),
+            from: None,
+            guessed: false,
+        })
+        .collect();
+    Loaded { planes, spp, found, rest: layers, own: true }
+}
+
+/// Whether a file of ours has the channel `name` for an input or a result.
+fn is_own_channel(name: &str) -> bool {
+    let components = ComponentRole::ALL.map(ComponentRole::layer);
+    let mut layers = components.into_iter().chain(FeatureRole::ALL.map(FeatureRole::layer));
+    let own = |rest: &str| [".", "A.", "B.", "Variance."].iter().any(|form| rest.starts_with(form));
+    let is_result = RESULTS.iter().any(|r| if r.ends_with('.') { name.starts_with(r) } else { name == *r });
+    is_result || layers.any(|layer| name.strip_prefix(layer).is_some_and(own))
+}

@@ -1,0 +1,469 @@
+//! What each renderer writes is understood without a word from the user.
+
+use super::test_files::{Files, SIZE, noise, noise_of, shared, text};
+use super::*;
+use crate::{Dealing, Estimate, FeatureRole, Image, Noise};
+use exr::prelude::AttributeValue;
+
+fn read(path: &std::path::Path) -> ReadStack {
+    read_stack(path).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn files(paths: &[std::path::PathBuf]) -> Inputs {
+    Inputs::Files(paths.iter().map(|path| Source::from(path.as_path())).collect())
+}
+
+fn read_files(paths: &[std::path::PathBuf]) -> ReadStack {
+    read_inputs(&files(paths), &ReadOptions::default()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn colour(read: &ReadStack) -> &Estimate {
+    &read.stack.components[0].radiance
+}
+
+fn feature(read: &ReadStack, role: FeatureRole) -> &Image {
+    &read.stack.feature(role).unwrap_or_else(|| panic!("no {role:?}")).estimate.mean
+}
+
+fn layers_of(read: &ReadStack) -> Vec<String> {
+    read.found.roles.iter().map(|found| format!("{}={}", found.role, found::layer_name(&found.channels))).collect()
+}
+
+fn scaled(image: &Image, factor: f32) -> Image {
+    let planes = image.channels().iter().map(|plane| plane.iter().map(|v| v * factor).collect()).collect();
+    Image::from_channels(image.size(), planes)
+}
+
+fn triples(names: &[&str], suffixes: &str) -> Vec<String> {
+    names.iter().flat_map(|name| suffixes.chars().map(move |c| format!("{name}.{c}"))).collect()
+}
+
+#[test]
+fn pbrt_says_its_samples_and_the_variance_of_one() {
+    let folder = Files::new();
+    let mut channels = triples(&["P", "N", "Ns"], "XYZ");
+    channels.extend(triples(&["Albedo", "Variance", "RelativeVariance"], "RGB"));
+    channels.extend(["R", "G", "B", "dzdx", "dzdy", "u", "v"].map(String::from));
+    let channels: Vec<&str> = channels.iter().map(String::as_str).collect();
+    let path = folder.half(
+        "gbuffer.exr",
+        &channels,
+        &noise,
+        &[("samplesPerPixel", AttributeValue::I32(16)), ("MSE", AttributeValue::F32(0.1))],
+    );
+    let read = read(&path);
+    assert_eq!(read.found.renderer, "pbrt-v4");
+    assert_eq!(layers_of(&read), ["colour=R G B", "position=P", "albedo=Albedo", "normal=Ns"]);
+    let variance = scaled(&noise_of(&["Variance.R", "Variance.G", "Variance.B"]), 1.0 / 16.0);
+    assert_eq!(colour(&read).noise, Noise::VarianceOfMean(variance));
+    assert_eq!(read.stack.samples.total, [16; 48]);
+    let carried: Vec<&str> = read.stack.passthrough.iter().map(|c| c.name.as_str()).collect();
+    assert!(
+        carried.contains(&"u") && carried.contains(&"RelativeVariance.R") && carried.contains(&"N.X"),
+        "{carried:?}"
+    );
+    assert!(carried.iter().all(|name| !name.starts_with("Variance")));
+    assert!(matches!(read.stack.passthrough[0].samples, exr::prelude::FlatSamples::F16(_)), "half stays half");
+    let spp = ReadOptions { spp: vec![4], variance_is: Some(Convention::StandardError), ..ReadOptions::default() };
+    let read = read_inputs(&files(&[path]), &spp).unwrap();
+    assert_eq!(read.stack.samples.total, [4; 48]);
+    let Noise::VarianceOfMean(variance) = &colour(&read).noise else { panic!("a variance") };
+    assert_eq!(variance.channels()[0][5], noise("Variance.R", 5).powi(2));
+}
+
+/// Unit vectors but for a miss.
+fn unit(name: &str, pixel: usize) -> f32 {
+    let angle = 0.3 * pixel as f32;
+    match (pixel, name.rsplit('.').next()) {
+        (0, _) => 0.0,
+        (_, Some("X")) => angle.cos(),
+        (_, Some("Y")) => 0.6 * angle.sin(),
+        _ => 0.8 * angle.sin(),
+    }
+}
+
+fn mitsuba(folder: &Files, normals: &[&str]) -> std::path::PathBuf {
+    let mut channels = triples(normals, "XYZ");
+    channels.extend(triples(&["where"], "XYZ"));
+    channels.extend(triples(&["reflectance"], "RGB"));
+    channels.extend(["far.T", "R", "G", "B", "img.R", "img.G", "img.B", "img.A", "shape.I"].map(String::from));
+    let names: Vec<&str> = channels.iter().map(String::as_str).collect();
+    let values = |name: &str, pixel: usize| match name.split('.').next() {
+        Some("where") => 7.0 + noise(name, pixel),
+        Some(layer) if normals.contains(&layer) => unit(name, pixel),
+        _ => noise(name, pixel),
+    };
+    folder.exr("mitsuba.exr", &names, &values, &[("generatedBy", text("Mitsuba version 3.9.1"))])
+}
+
+#[test]
+fn mitsubas_layers_are_told_by_their_values() {
+    let folder = Files::new();
+    let read = read(&mitsuba(&folder, &["oriented"]));
+    let expected = ["colour=R G B", "position=where", "albedo=reflectance", "normal=oriented", "depth=far"];
+    assert_eq!(layers_of(&read), expected);
+    assert!(read.found.roles.iter().any(|found| found.guessed));
+}
+
+#[test]
+fn the_shading_normal_is_preferred_and_a_tie_is_a_question() {
+    let folder = Files::new();
+    let found = read(&mitsuba(&folder, &["my_geo", "my_sh"]));
+    assert!(layers_of(&found).contains(&"normal=my_sh".into()), "{:?}", layers_of(&found));
+    let path = mitsuba(&folder, &["one", "two"]);
+    let error = read_stack(&path).unwrap_err().to_string();
+    assert!(error.contains("'one'") && error.contains("'two'") && error.contains("--map normal="), "{error}");
+    let map =
+        |layer: &str| ReadOptions { map: vec![("normal".parse().unwrap(), layer.into())], ..ReadOptions::default() };
+    let mapped = read_inputs(&files(std::slice::from_ref(&path)), &map("two.")).unwrap();
+    assert!(layers_of(&mapped).contains(&"normal=two".into()));
+    let none = read_inputs(&files(std::slice::from_ref(&path)), &map("none")).unwrap();
+    assert!(none.stack.feature(FeatureRole::Normal).is_none());
+    assert!(read_inputs(&files(&[path]), &map("three")).unwrap_err().to_string().contains("three"));
+}
+
+#[test]
+fn mitsubas_second_moments_need_the_number_of_samples() {
+    let folder = Files::new();
+    let channels = ["R", "G", "B", "img.X", "img.Y", "img.Z", "m2_img.X", "m2_img.Y", "m2_img.Z"];
+    let values = |name: &str, pixel: usize| {
+        let mean = 1.0 + noise(&name[name.len() - 1..].replace('X', "R").replace('Y', "G").replace('Z', "B"), pixel);
+        if name.starts_with("m2") { mean * mean + 0.75 } else { mean }
+    };
+    let path = folder.exr("moment.exr", &channels, &values, &[("generatedBy", text("Mitsuba"))]);
+    let unknown = read(&path);
+    assert_eq!(colour(&unknown).noise, Noise::Unknown);
+    assert!(unknown.notes.iter().any(|note| note.contains("--spp")), "{:?}", unknown.notes);
+    let read = read_inputs(&files(&[path]), &ReadOptions { spp: vec![4], ..ReadOptions::default() }).unwrap();
+    let Noise::VarianceOfMean(variance) = &colour(&read).noise else { panic!("a variance") };
+    assert!(variance.channels().iter().flatten().all(|v| (v - 0.25).abs() < 1e-5), "0.75 / (4 − 1)");
+}
+
+#[test]
+fn mitsubas_own_files() {
+    let Some(path) = shared("mitsuba/mi_cornell_256_16spp_aov.exr") else { return };
+    let read = read(&path);
+    assert_eq!(read.found.renderer, "Mitsuba");
+    assert_eq!(
+        layers_of(&read),
+        ["colour=R G B", "position=position", "albedo=albedo", "normal=sh_normal", "depth=depth"]
+    );
+}
+
+const CYCLES: [(&str, &[&str]); 8] = [
+    (
+        "ViewLayer.Combined",
+        &["ViewLayer.Combined.R", "ViewLayer.Combined.G", "ViewLayer.Combined.B", "ViewLayer.Combined.A"],
+    ),
+    ("ViewLayer.Noisy Image", &["ViewLayer.Noisy Image.R", "ViewLayer.Noisy Image.G", "ViewLayer.Noisy Image.B"]),
+    (
+        "ViewLayer.Denoising Normal",
+        &["ViewLayer.Denoising Normal.X", "ViewLayer.Denoising Normal.Y", "ViewLayer.Denoising Normal.Z"],
+    ),
+    ("ViewLayer.Normal", &["ViewLayer.Normal.X", "ViewLayer.Normal.Y", "ViewLayer.Normal.Z"]),
+    (
+        "ViewLayer.Denoising Albedo",
+        &["ViewLayer.Denoising Albedo.R", "ViewLayer.Denoising Albedo.G", "ViewLayer.Denoising Albedo.B"],
+    ),
+    ("ViewLayer.Depth", &["ViewLayer.Depth.Z"]),
+    ("ViewLayer.Debug Sample Count", &["ViewLayer.Debug Sample Count.X"]),
+    ("ViewLayer.CryptoObject00", &["ViewLayer.CryptoObject00.r", "ViewLayer.CryptoObject00.g"]),
+];
+
+#[test]
+fn cycles_in_parts_is_not_named_twice_and_its_counts_are_fractions() {
+    let folder = Files::new();
+    let path = folder.parts(
+        "cycles.exr",
+        &CYCLES,
+        &[("cycles.ViewLayer.samples", text("1024")), ("BlenderMultiChannel", text(""))],
+    );
+    let read = read(&path);
+    assert_eq!(read.found.renderer, "Cycles");
+    let expected = [
+        "colour=ViewLayer.Noisy Image",
+        "albedo=ViewLayer.Denoising Albedo",
+        "normal=ViewLayer.Denoising Normal",
+        "depth=ViewLayer.Depth",
+        "samples=ViewLayer.Debug Sample Count",
+    ];
+    assert_eq!(layers_of(&read), expected);
+    let count = |pixel| (1024.0 * noise("ViewLayer.Debug Sample Count.X", pixel)).round() as u32;
+    assert_eq!(read.stack.samples.total, (0..SIZE.pixels()).map(count).collect::<Vec<_>>());
+    assert!(read.stack.passthrough.iter().any(|c| c.name == "ViewLayer.CryptoObject00.r"));
+    assert_eq!(read.carried.text("cycles.ViewLayer.samples").unwrap(), "1024");
+}
+
+#[test]
+fn two_view_layers_are_a_question_that_one_answer_settles() {
+    let folder = Files::new();
+    let layers: Vec<String> = ["One.Combined", "Two.Combined"].iter().flat_map(|l| triples(&[l], "RGB")).collect();
+    let normals = triples(&["One.Normal", "Two.Normal"], "XYZ");
+    let names: Vec<&str> = layers.iter().chain(&normals).map(String::as_str).collect();
+    let path = folder.exr("two.exr", &names, &noise, &[("BlenderMultiChannel", text(""))]);
+    let error = read_stack(&path).unwrap_err().to_string();
+    assert!(error.contains("'One.Combined'") && error.contains("--map colour="), "{error}");
+    let options =
+        ReadOptions { map: vec![("colour".parse().unwrap(), "Two.Combined".into())], ..ReadOptions::default() };
+    let read = read_inputs(&files(&[path]), &options).unwrap();
+    assert_eq!(layers_of(&read), ["colour=Two.Combined", "normal=Two.Normal"]);
+}
+
+#[test]
+fn old_blender_wrote_a_variance_of_samples() {
+    let folder = Files::new();
+    let mut channels =
+        triples(&["RenderLayer.Combined", "RenderLayer.Denoising Variance", "RenderLayer.DiffCol"], "RGB");
+    channels.extend(triples(&["RenderLayer.Denoising Normal"], "XYZ"));
+    channels.push("RenderLayer.Denoising Shadowing.X".into());
+    let names: Vec<&str> = channels.iter().map(String::as_str).collect();
+    let path = folder.exr("old.exr", &names, &noise, &[("cycles.RenderLayer.samples", text("8"))]);
+    let read = read(&path);
+    let Noise::VarianceOfMean(variance) = &colour(&read).noise else { panic!("a variance") };
+    assert_eq!(variance.channels()[1][9], noise("RenderLayer.Denoising Variance.G", 9) / 8.0);
+    assert_eq!(feature(&read, FeatureRole::Albedo).channels()[2][3], noise("RenderLayer.DiffCol.B", 3));
+    assert!(read.stack.feature(FeatureRole::Visibility).is_some());
+}
+
+#[test]
+fn cycles_own_files() {
+    for (name, spp) in [("cy50_naming_64", 4), ("cy50_interleave_64", 4), ("cy50_glossy_512_64spp_a0_d1", 64)] {
+        let Some(path) = shared(&format!("cycles/{name}.exr")) else { return };
+        let read = read(&path);
+        assert_eq!(layers_of(&read)[0], "colour=ViewLayer.Noisy Image");
+        assert_eq!(read.stack.features.len(), 4, "{name}");
+        assert!(read.stack.samples.total.iter().all(|n| *n == spp), "{name}");
+    }
+}
+
+#[test]
+fn luxcore_files_are_known_by_their_names() {
+    let folder = Files::new();
+    let rgb = ["R", "G", "B"];
+    let depth = |_: &str, pixel: usize| if pixel == 3 { f32::INFINITY } else { pixel as f32 };
+    let count = |_: &str, pixel: usize| 10.0 + pixel as f32;
+    let paths = [
+        folder.exr("RGB_IMAGEPIPELINE_0.exr", &rgb, &noise, &[]),
+        folder.exr("ALBEDO.exr", &rgb, &noise, &[]),
+        folder.exr("AVG_SHADING_NORMAL.exr", &rgb, &noise, &[]),
+        folder.exr("DEPTH.exr", &rgb, &depth, &[]),
+        folder.exr("SAMPLECOUNT.exr", &rgb, &count, &[]),
+        folder.exr("NOISE.exr", &rgb, &noise, &[]),
+    ];
+    let read = read_files(&paths);
+    assert_eq!(read.found.renderer, "LuxCore");
+    assert_eq!(read.stack.features.len(), 3);
+    assert_eq!(read.stack.samples.total[5], 15);
+    assert_eq!(feature(&read, FeatureRole::Depth).channels()[0][3], 47.0);
+    assert_eq!(read.found.mended.iter().map(|m| m.count).sum::<usize>(), 1);
+    let carried: Vec<&str> = read.stack.passthrough.iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(carried, ["NOISE.B", "NOISE.G", "NOISE.R"]);
+    let Some(real) = shared("luxcore/glossy_256_64spp") else { return };
+    let paths: Vec<_> = std::fs::read_dir(real).unwrap().map(|entry| entry.unwrap().path()).collect();
+    let read = read_files(&paths);
+    assert_eq!(read.stack.features.len(), 4);
+    assert!((read.stack.samples.mean_min_max().0 - 64.0).abs() < 0.1);
+}
+
+fn tungsten(folder: &Files, n: usize) -> Vec<std::path::PathBuf> {
+    let (a, b) = (n.div_ceil(2) as f32, (n / 2) as f32);
+    let rgb = ["R", "G", "B"];
+    let half_a = |name: &str, pixel: usize| noise(&format!("a{name}"), pixel);
+    let half_b = |name: &str, pixel: usize| noise(&format!("b{name}"), pixel);
+    let mean = |name: &str, pixel: usize| (a * half_a(name, pixel) + b * half_b(name, pixel)) / (a + b);
+    vec![
+        folder.half("color.exr", &rgb, &mean, &[]),
+        folder.half("colorA.exr", &rgb, &half_a, &[]),
+        folder.half("colorB.exr", &rgb, &half_b, &[]),
+        folder.half("colorVariance.exr", &rgb, &noise, &[]),
+        folder.half("albedo.exr", &rgb, &noise, &[]),
+        folder.half(
+            "albedoVariance.exr",
+            &rgb,
+            &|name, pixel| if pixel == 9 { f32::NAN } else { noise(name, pixel) },
+            &[],
+        ),
+        folder.half("depth.exr", &["Y"], &noise, &[]),
+    ]
+}
+
+#[test]
+fn tungstens_halves_are_weighted_as_its_mean_says() {
+    for (n, expected) in [(4, [1, 1]), (3, [2, 1]), (5, [3, 2]), (16, [1, 1])] {
+        let folder = Files::new();
+        let read = read_files(&tungsten(&folder, n));
+        assert_eq!(read.found.renderer, "Tungsten");
+        assert_eq!(read.stack.samples.dealing, Dealing::PerBucket(expected.to_vec()), "{n} samples");
+        assert!(matches!(&colour(&read).noise, Noise::Buckets(halves) if halves.len() == 2));
+        let Noise::VarianceOfMean(albedo) = &read.stack.feature(FeatureRole::Albedo).unwrap().estimate.noise else {
+            panic!("a variance")
+        };
+        assert_eq!(albedo.channels()[0][8], noise("R", 8), "it is that of the mean");
+        let around: f32 = [0, 1, 2, 8, 10, 16, 17, 18].iter().map(|i| noise("R", *i)).sum::<f32>() / 8.0;
+        assert!((albedo.channels()[0][9] - around).abs() < 1e-6, "what is unknown is that around");
+    }
+    let folder = Files::new();
+    let options = ReadOptions { spp: vec![5], ..ReadOptions::default() };
+    let read = read_inputs(&files(&tungsten(&folder, 5)), &options).unwrap();
+    assert_eq!(read.stack.samples.dealing, Dealing::PerBucket(vec![3, 2]));
+}
+
+#[test]
+fn tungstens_own_files() {
+    let Some(real) = shared("tungsten/s256_spiky_16") else { return };
+    let paths: Vec<_> = std::fs::read_dir(real).unwrap().map(|entry| entry.unwrap().path()).collect();
+    let read = read_files(&paths);
+    assert_eq!(read.stack.features.len(), 4);
+    let named = Layers::read(&paths.iter().find(|p| p.ends_with("color.exr")).unwrap().clone()).unwrap();
+    let red = named.channels.iter().find(|channel| channel.name == "R").unwrap();
+    let worst =
+        (0..256 * 256).map(|i| (red.value(i) - colour(&read).mean.channels()[0][i]).abs() / (1.0 + red.value(i)));
+    assert!(worst.fold(0.0, f32::max) < 2e-3, "the halves add up to the mean, within the precision of a half");
+}
+
+#[test]
+fn noice_features_and_variance() {
+    let folder = Files::new();
+    let mut channels = triples(&["variance", "diffuse_albedo_noice", "diffuse_albedo"], "RGB");
+    channels.extend(triples(&["N_noice"], "XYZ"));
+    channels.extend(["R", "G", "B", "A", "Z"].map(String::from));
+    let names: Vec<&str> = channels.iter().map(String::as_str).collect();
+    let path = folder.exr("arnold.exr", &names, &noise, &[]);
+    let read = read_inputs(&files(&[path]), &ReadOptions { spp: vec![9], ..ReadOptions::default() }).unwrap();
+    assert_eq!(read.found.renderer, "Arnold");
+    let expected = ["colour=R G B", "albedo=diffuse_albedo_noice", "normal=N_noice", "depth=Z", "alpha=A"];
+    assert_eq!(layers_of(&read), expected);
+    assert_eq!(
+        colour(&read).noise,
+        Noise::VarianceOfMean(scaled_down(&["variance.R", "variance.G", "variance.B"], 9.0))
+    );
+    assert!(read.stack.passthrough.iter().any(|c| c.name == "A"), "alpha passes through");
+}
+
+fn scaled_down(names: &[&str], n: f32) -> Image {
+    let planes = noise_of(names).channels().iter().map(|plane| plane.iter().map(|v| v / n).collect()).collect();
+    Image::from_channels(SIZE, planes)
+}
+
+#[test]
+fn renderman_prefers_the_variance_of_the_mean() {
+    let folder = Files::new();
+    let mut channels = triples(&["Ci", "mse", "albedo", "albedo_var", "albedo_mse", "diffuse"], "rgb");
+    channels.extend(triples(&["normal", "normal_var"], "xyz"));
+    channels.extend(["a", "sampleCount", "zfiltered", "zfiltered_var"].map(String::from));
+    let names: Vec<&str> = channels.iter().map(String::as_str).collect();
+    let values = |name: &str, pixel: usize| if name == "sampleCount" { 32.0 } else { noise(name, pixel) };
+    let read = read(&folder.exr("renderman.exr", &names, &values, &[]));
+    assert_eq!(read.found.renderer, "RenderMan");
+    assert_eq!(read.stack.samples.total, [32; 48]);
+    let noise_is = |role: FeatureRole, names: &[&str], n: f32| {
+        assert_eq!(read.stack.feature(role).unwrap().estimate.noise, Noise::VarianceOfMean(scaled_down(names, n)));
+    };
+    assert_eq!(colour(&read).noise, Noise::VarianceOfMean(noise_of(&["mse.r", "mse.g", "mse.b"])));
+    noise_is(FeatureRole::Albedo, &["albedo_mse.r", "albedo_mse.g", "albedo_mse.b"], 1.0);
+    noise_is(FeatureRole::Normal, &["normal_var.x", "normal_var.y", "normal_var.z"], 32.0);
+    noise_is(FeatureRole::Depth, &["zfiltered_var"], 32.0);
+}
+
+#[test]
+fn bcd_covariance_and_histogram() {
+    let folder = Files::new();
+    let bins: Vec<String> = (0..61).map(|bin| format!("Bin_{bin:04}")).collect();
+    let bins: Vec<&str> = bins.iter().map(String::as_str).collect();
+    let paths = [
+        folder.exr("box.exr", &["R", "G", "B"], &noise, &[]),
+        folder.exr("box_cov.exr", &bins[..6], &noise, &[]),
+        folder.exr(
+            "box_hist.exr",
+            &bins,
+            &|name, pixel| if name == "Bin_0060" { 20.0 } else { noise(name, pixel) },
+            &[],
+        ),
+    ];
+    let read = read_files(&paths);
+    assert_eq!(read.found.renderer, "BCD");
+    assert_eq!(read.stack.samples.total, [20; 48]);
+    assert_eq!(colour(&read).noise, Noise::VarianceOfMean(scaled_down(&["Bin_0000", "Bin_0001", "Bin_0002"], 20.0)));
+    let read = read_inputs(&files(&paths[..2]), &ReadOptions { spp: vec![10], ..ReadOptions::default() }).unwrap();
+    assert_eq!(read.stack.samples.total, [10; 48], "without the histogram");
+}
+
+#[test]
+fn oidns_pictures() {
+    let folder = Files::new();
+    let normal = noise_of(&["x", "y", "z"]);
+    let paths = ["scene.hdr.pfm", "scene.alb.pfm", "scene.nrm.pfm"].map(|name| folder.path(name));
+    paths.iter().for_each(|path| write_pfm(path, &normal).unwrap());
+    let read = read_files(&paths);
+    assert_eq!((read.found.renderer.as_str(), read.stack.features.len()), ("OIDN", 2));
+    assert_eq!(feature(&read, FeatureRole::Normal), &normal);
+}
+
+#[test]
+fn a_variance_of_unknown_kind_is_not_used_and_said() {
+    let folder = Files::new();
+    let mut channels = triples(&["beauty", "beauty_variance"], "RGB");
+    channels.extend(triples(&["myNormals"], "XYZ"));
+    let names: Vec<&str> = channels.iter().map(String::as_str).collect();
+    let path = folder.exr("some.exr", &names, &noise, &[]);
+    let unsaid = read(&path);
+    assert_eq!(colour(&unsaid).noise, Noise::Unknown);
+    assert!(unsaid.notes.iter().any(|note| note.contains("--variance-is")), "{:?}", unsaid.notes);
+    assert!(layers_of(&unsaid).contains(&"normal=myNormals".into()));
+    let options = ReadOptions { variance_is: Some(Convention::Mean), ..ReadOptions::default() };
+    let read = read_inputs(&files(&[path]), &options).unwrap();
+    assert!(matches!(colour(&read).noise, Noise::VarianceOfMean(_)));
+}
+
+#[test]
+fn a_result_beside_its_noisy_picture_is_a_question() {
+    let folder = Files::new();
+    let mut channels = triples(&["noisy"], "RGB");
+    channels.extend(["R", "G", "B"].map(String::from));
+    let names: Vec<&str> = channels.iter().map(String::as_str).collect();
+    let error = read_stack(&folder.exr("both.exr", &names, &noise, &[])).unwrap_err().to_string();
+    assert!(error.contains("'noisy'") && error.contains("--map colour="), "{error}");
+}
+
+#[test]
+fn halves_of_different_lengths_and_features_from_elsewhere() {
+    let folder = Files::new();
+    let names = ["R", "G", "B", "albedo.R", "albedo.G", "albedo.B"];
+    let spp = |n: i32| [("samplesPerPixel", AttributeValue::I32(n))];
+    let a = folder.exr("a.exr", &names, &noise, &spp(24));
+    let b = folder.exr("b.exr", &names, &|name, pixel| noise(&format!("other {name}"), pixel), &spp(8));
+    let more = folder.exr("more.exr", &["R", "G", "B", "normal.X", "normal.Y", "normal.Z"], &noise, &[]);
+    let inputs = Inputs::Halves([a.clone(), b.clone()], vec![Source::from(more.as_path())]);
+    let read = read_inputs(&inputs, &ReadOptions::default()).unwrap();
+    assert_eq!(read.stack.samples.dealing, Dealing::PerBucket(vec![24, 8]));
+    assert_eq!(read.stack.samples.total, [32; 48]);
+    let mean = 0.75 * noise("R", 4) + 0.25 * noise("other R", 4);
+    assert!((colour(&read).mean.channels()[0][4] - mean).abs() < 1e-6);
+    assert_eq!(read.stack.feature(FeatureRole::Normal).unwrap().estimate.noise, Noise::Unknown);
+    assert_eq!(read.stack.features.len(), 2);
+    let options = ReadOptions { spp: vec![1, 3], ..ReadOptions::default() };
+    let read = read_inputs(&inputs, &options).unwrap();
+    assert_eq!(read.stack.samples.dealing, Dealing::PerBucket(vec![1, 3]));
+    let options = ReadOptions { spp: vec![1, 3, 5], ..ReadOptions::default() };
+    assert!(matches!(read_inputs(&inputs, &options), Err(FileError::SampleCounts { given: 3, .. })));
+    let same = Inputs::Halves([a.clone(), a], Vec::new());
+    assert!(matches!(read_inputs(&same, &ReadOptions::default()), Err(FileError::SameNoise { .. })));
+}
+
+#[test]
+fn emission_apart_in_every_bucket_is_a_component() {
+    let folder = Files::new();
+    let names = ["R", "G", "B", "emission.R", "emission.G", "emission.B"];
+    let bucket = |b: usize| {
+        let values = move |name: &str, pixel: usize| match name.starts_with("emission") {
+            true => 0.5,
+            false => 0.5 + noise(&format!("{b}{name}"), pixel),
+        };
+        folder.exr(&format!("b{b}.exr"), &names, &values, &[])
+    };
+    let read = read_buckets(&[bucket(0), bucket(1), bucket(2)]).unwrap();
+    assert_eq!(read.stack.components.len(), 2);
+    assert_eq!(read.stack.components[1].radiance.mean.channels()[0][7], 0.5);
+    let whole = (0..3).map(|b| 0.5 + noise(&format!("{b}R"), 7)).sum::<f32>() / 3.0;
+    assert!((read.stack.beauty().channels()[0][7] - whole).abs() < 1e-6);
+}

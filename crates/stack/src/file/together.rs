@@ -1,0 +1,186 @@
+//! Puts one render, two halves or several buckets together to a feature stack.
+
+use std::path::PathBuf;
+
+use super::emission::split_emission;
+use super::independence::check_independent;
+use super::loaded::{Loaded, Plane, mend_all};
+use super::role::Role;
+use super::write::may_write;
+use super::{FileError, ReadStack};
+use crate::{
+    Component, ComponentRole, Dealing, Estimate, Feature, FeatureRole, FeatureStack, Image, Noise, SampleCounts,
+};
+
+/// The stack of one render; what is known about its noise is in its own files.
+pub fn alone(render: Loaded) -> ReadStack {
+    let mut renders = [render];
+    mend_all(&mut renders);
+    let [mut render] = renders;
+    let samples = counts_alone(&mut render);
+    let mut planes = std::mem::take(&mut render.planes);
+    split_emission(&mut planes, &mut render.found.remarks);
+    let mut estimates = Vec::new();
+    for plane in planes {
+        let estimate = match render.noise_of(&plane) {
+            Noise::Buckets(halves) => Estimate::from_buckets(halves, &samples),
+            noise => Estimate { mean: plane.mean, noise },
+        };
+        estimates.push((plane.role, estimate));
+    }
+    finish(render, samples, estimates)
+}
+
+/// Counts of one render: with halves, the samples with even numbers and those with odd ones.
+fn counts_alone(render: &mut Loaded) -> SampleCounts {
+    let pixels = render.rest.window.size.pixels();
+    let halves = render.planes.iter().find(|plane| plane.halves.is_some());
+    let per_bucket = match (&render.spp, halves) {
+        (Some(spp), Some(_)) => {
+            let n = spp.mean().round() as u32;
+            vec![n.div_ceil(2), n / 2]
+        }
+        (Some(spp), None) => vec![spp.mean().round() as u32],
+        (None, Some(plane)) => fitted_halves(plane),
+        (None, None) => vec![1],
+    };
+    match &render.spp {
+        Some(spp) => SampleCounts { first: 0, total: spp.total.clone(), dealing: Dealing::PerBucket(per_bucket) },
+        None => SampleCounts::uniform(pixels, per_bucket),
+    }
+}
+
+/// How many samples two halves hold, told from their mean: w A + (1 − w) B with w = ⌈n/2⌉/n.
+fn fitted_halves(plane: &Plane) -> Vec<u32> {
+    let Some([a, b]) = &plane.halves else { return vec![1] };
+    let (mut along, mut all) = (0.0_f64, 0.0_f64);
+    for ((a, b), m) in a.channels().iter().zip(b.channels()).zip(plane.mean.channels()) {
+        for ((a, b), m) in a.iter().zip(b).zip(m) {
+            let difference = f64::from(a - b);
+            along += difference * f64::from(m - b);
+            all += difference * difference;
+        }
+    }
+    let odd = 2.0 * along / all - 1.0;
+    // Beyond some ten samples one more in a half makes no difference, and rounding hides it.
+    if odd.is_finite() && (0.08..=1.0).contains(&odd) {
+        let n = ((1.0 / odd).round() as u32).max(3);
+        return vec![n.div_ceil(2), n / 2];
+    }
+    vec![1, 1]
+}
+
+/// The stack of several independent renders of one picture. A feature must be in all of them; with `halves`, one that
+/// is not is left out.
+///
+/// # Errors
+/// When features differ, or two renders hold the same noise.
+pub fn several(
+    mut renders: Vec<Loaded>,
+    paths: &[PathBuf],
+    given: &[u32],
+    halves: bool,
+) -> Result<ReadStack, FileError> {
+    let colours: Vec<&Image> = renders.iter().filter_map(|r| r.plane(Role::Colour)).map(|p| &p.mean).collect();
+    check_independent(paths, &colours)?;
+    mend_all(&mut renders);
+    let samples = counts_of(&mut renders, given);
+    for render in &mut renders {
+        render.planes.iter_mut().for_each(|plane| (plane.halves, plane.measured) = (None, None));
+        split_emission(&mut render.planes, &mut render.found.remarks);
+    }
+    let mut means: Vec<Vec<(Role, Image)>> = renders
+        .iter_mut()
+        .map(|render| render.planes.drain(..).map(|plane| (plane.role, plane.mean)).collect())
+        .collect();
+    join_emission(&mut means);
+    let first = renders.swap_remove(0);
+    let roles: Vec<Role> = means[0].iter().map(|(role, _)| *role).collect();
+    let mut estimates = Vec::new();
+    for role in roles {
+        let buckets: Vec<Option<Image>> = means.iter_mut().map(|planes| take(planes, role)).collect();
+        let absent = buckets.iter().position(Option::is_none);
+        match absent {
+            Some(_) if halves => continue,
+            Some(which) => return Err(missing(&paths[which], role)),
+            None => {}
+        }
+        estimates.push((role, Estimate::from_buckets(buckets.into_iter().flatten().collect(), &samples)));
+    }
+    Ok(finish(first, samples, estimates))
+}
+
+fn take(planes: &mut Vec<(Role, Image)>, role: Role) -> Option<Image> {
+    planes.iter().position(|(r, _)| *r == role).map(|at| planes.swap_remove(at).1)
+}
+
+/// Emission is a component of its own in all renders or in none.
+fn join_emission(means: &mut [Vec<(Role, Image)>]) {
+    let has = |planes: &Vec<(Role, Image)>| planes.iter().any(|(role, _)| *role == Role::Emission);
+    if means.iter().all(has) {
+        return;
+    }
+    for planes in means {
+        if let Some(emission) = take(planes, Role::Emission) {
+            planes.iter_mut().filter(|(role, _)| *role == Role::Colour).for_each(|(_, colour)| colour.add(&emission));
+        }
+    }
+}
+
+fn missing(path: &std::path::Path, role: Role) -> FileError {
+    FileError::Missing {
+        path: path.into(),
+        wanted: role.name(),
+        expected: "the same features as in the other buckets".into(),
+        found: "none of that role".into(),
+    }
+}
+
+/// Samples of each render: as given, else what all the files say, else equally many.
+fn counts_of(renders: &mut [Loaded], given: &[u32]) -> SampleCounts {
+    let pixels = renders[0].rest.window.size.pixels();
+    if given.len() == renders.len() {
+        return SampleCounts::uniform(pixels, given.to_vec());
+    }
+    let known: Option<Vec<_>> = renders.iter().map(|render| render.spp.clone()).collect();
+    let Some(known) = known else { return SampleCounts::uniform(pixels, vec![1; renders.len()]) };
+    let per_bucket: Vec<u32> = known.iter().map(|spp| spp.mean().round() as u32).collect();
+    let mut total = vec![0_u32; pixels];
+    for spp in &known {
+        total.iter_mut().zip(&spp.total).for_each(|(sum, n)| *sum = sum.saturating_add(*n));
+    }
+    if total.iter().any(|n| *n != total[0]) {
+        renders[0].found.remarks.push("samples differ from pixel to pixel: a render counts with its mean".into());
+    }
+    SampleCounts { first: 0, total, dealing: Dealing::PerBucket(per_bucket) }
+}
+
+fn finish(render: Loaded, samples: SampleCounts, estimates: Vec<(Role, Estimate)>) -> ReadStack {
+    let Loaded { mut found, rest, spp, .. } = render;
+    let (mut components, mut features) = (Vec::new(), Vec::new());
+    for (role, estimate) in estimates {
+        match role {
+            Role::Colour => components.push(Component { role: ComponentRole::Scattered, radiance: estimate }),
+            Role::Emission => components.push(Component { role: ComponentRole::Emission, radiance: estimate }),
+            Role::Feature(role) => features.push(Feature { role, estimate }),
+            Role::Alpha | Role::Samples => {}
+        }
+    }
+    features.sort_by_key(|feature| FeatureRole::ALL.iter().position(|role| *role == feature.role));
+    let mut passthrough = rest.channels;
+    let names: Vec<String> = passthrough.iter().filter(|c| may_write(&c.name)).map(|c| c.name.clone()).collect();
+    passthrough.retain(|channel| !may_write(&channel.name));
+    if !names.is_empty() {
+        found.remarks.push(format!("not kept, since the output has channels of these names: {}", names.join(" ")));
+    }
+    let (window, film) = (rest.window, rest.film);
+    let stack = FeatureStack { window, film, samples, components, features, passthrough };
+    found.spp = spp.map(|_| {
+        let (mean, min, max) = stack.samples.mean_min_max();
+        let from = found.spp.as_ref().map_or_else(String::new, |spp| spp.from.clone());
+        super::found::FoundSpp { mean, min, max, from }
+    });
+    found.conclude(&stack);
+    let notes = found.lines();
+    ReadStack { stack, header: None, notes, found, carried: rest.carried }
+}
