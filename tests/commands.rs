@@ -99,12 +99,14 @@ fn methods_are_set_beside_each_other() {
         workplace.must(&format!("{line} -o box/{name}.exr --quiet"));
     }
     let tables = workplace.must("experiment methods box -o out --quiet").stdout();
-    for row in ["| box | ld | ", "| box | paper | ", "| box | oidn | ", "(stacks: 1)"] {
+    for row in ["| box | ld | ", "| box | lbf | ", "| box | paper | ", "| box | oidn | ", "(stacks: 1)"] {
         assert!(tables.contains(row), "'{row}' is not in:\n{tables}");
     }
     for name in ["methods.md", "box-paper.exr", "box-paper.png", "box-ld.exr", "box-oidn.png", "box-reference.png"] {
         assert!(workplace.path("out").join(name).exists(), "{name}");
     }
+    let run = workplace.tamis("experiment methods box -o out --quiet --oidn no-such-program");
+    assert_eq!((run.code(), run.errors().len()), (Some(2), 1));
     let run = workplace.tamis("compare box/ref1.exr out/box-oidn.exr --max-rmse 1e9");
     assert_eq!(run.code(), Some(0), "the pictures can be compared again");
 }
@@ -133,6 +135,25 @@ fn figures_are_made_of_scenes_and_of_buckets() {
     let tables = workplace.must("experiment figures buckets -o out --figures 2,7,11 --quiet").stdout();
     assert_eq!(tables.matches("###").count(), 2, "no figure 11 without a scene:\n{tables}");
     assert!(tables.contains("| buckets | wlrp | ") && tables.contains("| buckets | pixel | - | - | "), "{tables}");
+}
+
+#[test]
+fn a_filter_is_trained_and_judged_and_its_weights_do_not_depend_on_threads() {
+    let workplace = Workplace::new();
+    std::fs::create_dir(workplace.path("scenes")).unwrap();
+    let scene = "[camera]\neye = [0, 1, 3.4]\nlook_at = [0, 1, 0]\n\n[[geometry]]\nfile = \"../box.obj\"\n";
+    for name in ["study", "halves", "defocus"] {
+        workplace.write(&format!("scenes/{name}.toml"), scene);
+    }
+    let line = "experiment lbf --size 12x8 --spp 4 --reference-spp 16 --set seed=5 --quiet";
+    let tables = workplace.must(&format!("{line} -o one --threads 1")).stdout();
+    for row in ["| study 4 spp | ", "| defocus 4 spp | ", "| geometric mean | "] {
+        assert!(tables.contains(row), "'{row}' is not in:\n{tables}");
+    }
+    workplace.must(&format!("{line} -o three --threads 3"));
+    let weights = workplace.bytes("one/weights.txt");
+    assert!(weights.starts_with(b"# Written by"));
+    assert!(weights == workplace.bytes("three/weights.txt"), "the weights depend on threads");
 }
 
 #[test]

@@ -164,7 +164,7 @@ pub struct ReadingArgs {
     #[arg(long, value_name = "ROLE=LAYER", value_parser = mapping)]
     pub map: Vec<Mapping>,
     /// Samples per pixel, where the files do not say or are wrong; of each half or bucket, or of all.
-    #[arg(long, value_name = "N,N…", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N,N…", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
     pub spp: Vec<u32>,
     /// What every variance in the files is: sample, mean, second-moment, standard-error or half-difference [default:
     /// what the renderer is known to write].
@@ -282,6 +282,10 @@ pub struct ExperimentArgs {
     /// A setting to change, as the flags of `render` are called; may be given more than once.
     #[arg(long = "set", value_name = "FLAG=VALUE")]
     pub changes: Vec<String>,
+    /// Program that denoises a stack with Open Image Denoise, called with the stack and `-o DIR`, for instance "python
+    /// scripts/denoise_with_oidn.py".
+    #[arg(long, value_name = "COMMAND")]
+    pub oidn: Option<String>,
     /// Numbers of the paper's figures to make [default: all].
     #[arg(long, value_name = "N,N…", value_delimiter = ',')]
     pub figures: Vec<u32>,

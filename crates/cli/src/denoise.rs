@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use anyhow::Result;
 use clap::ArgMatches;
-use reconstruct::{Reconstruction, reconstruct};
+use reconstruct::{Reconstruction, reconstruct, reconstruct_freeing};
 use serde_json::{Value, json};
 use stack::Noise;
 use stack::file::{Found, Inputs, ReadStack, Role, Source, StackHeader, read_inputs};
@@ -69,14 +69,18 @@ impl Task<'_> {
     /// When a step fails, or something that is required is not there.
     pub fn run(&self, outputs: &Outputs, progress: &Progress) -> Result<Value> {
         let start = Instant::now();
-        let read = read_inputs(&self.inputs, &self.args.reading.options())?;
+        let mut read = read_inputs(&self.inputs, &self.args.reading.options())?;
         read.notes.iter().for_each(|note| progress.say(note));
         let loaded = start.elapsed().as_secs_f64();
         require(self.args, &read)?;
         let settings = resolve(self.args, self.matches, read.header.as_ref())?;
-        let reconstruction = reconstruct(&read.stack, &settings.reconstruction, progress)?;
-        progress.finish();
         let header = header_of(&read, &settings);
+        let reconstruction = if outputs.need_inputs() {
+            reconstruct(&read.stack, &settings.reconstruction, progress)?
+        } else {
+            reconstruct_freeing(&mut read.stack, &settings.reconstruction, progress)?
+        };
+        progress.finish();
         let written = Written {
             picture: &reconstruction.picture,
             stack: &read.stack,

@@ -54,6 +54,11 @@ impl Outputs {
         &self.files
     }
 
+    /// Whether the samples themselves are written, and not only what is made of them.
+    pub fn need_inputs(&self) -> bool {
+        self.layers.iter().any(|layer| layer == "inputs")
+    }
+
     /// Writes every output.
     ///
     /// # Errors
@@ -76,7 +81,7 @@ impl Outputs {
         let maps = written.reconstruction.map_or_else(Vec::new, maps_of);
         let mut results =
             vec![ResultLayer { name: "", channels: &["R", "G", "B"], planes: written.picture.channels() }];
-        let with_inputs = wants("inputs");
+        let with_inputs = self.need_inputs();
         if wants("samples") && !with_inputs {
             results.push(ResultLayer { name: "samples", channels: &["Y"], planes: &samples });
         }

@@ -4,7 +4,7 @@ use anyhow::Result;
 use clap::ArgMatches;
 use reconstruct::Fit;
 use reconstruct::adaptive::AdaptiveSettings;
-use reconstruct::best::FitSettings;
+use reconstruct::best::{BestSettings, FitSettings};
 use stack::Knobs;
 use tracer::integrator::TraceSettings;
 
@@ -50,9 +50,7 @@ impl Settings {
             Preset::Best => Self::default(),
             Preset::Fast => {
                 let mut settings = Self::default();
-                let best = &mut settings.reconstruction.best;
-                best.features.radius = 3;
-                best.regression = FitSettings { stride: 4, first_radius: 5, second_radius: 7, ..FitSettings::DEFAULT };
+                settings.reconstruction.best = fast();
                 settings
             }
             Preset::Paper => {
@@ -82,4 +80,18 @@ impl Settings {
         }
         Ok(())
     }
+}
+
+/// The method of `best` with few fits in small windows, a smaller prefilter and split, fewer scales, and spread events as
+/// they fall.
+fn fast() -> BestSettings {
+    let mut best = BestSettings::default();
+    best.split.radius = 1;
+    best.features.radius = 1;
+    let (first_radius, second_radius) = (5, 7);
+    best.regression = FitSettings { stride: 6, covered: 0.3, first_radius, second_radius, ..FitSettings::DEFAULT };
+    best.spread.levels = 0;
+    best.cascade.levels = 4;
+    best.restore.levels = 2;
+    best
 }

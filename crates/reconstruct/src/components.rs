@@ -18,7 +18,8 @@ pub fn sum_of_components(
     Ok(sum)
 }
 
-fn is_lit(component: &Component) -> bool {
+/// Whether there is anything in `component`.
+pub fn is_lit(component: &Component) -> bool {
     component.radiance.mean.channels().iter().any(|plane| plane.iter().any(|v| *v != 0.0))
 }
 

@@ -17,6 +17,8 @@ stack::knob_choice! {
         Nfor = "nfor",
         /// Adaptive polynomial rendering (Moon et al. 2016).
         Apr = "apr",
+        /// The learning-based filter (Kalantari et al. 2015).
+        Lbf = "lbf",
     }
 }
 

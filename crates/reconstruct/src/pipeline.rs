@@ -1,13 +1,17 @@
 //! A picture rebuilt from its stack: every component by the method that was asked for, then their sum.
 
-use stack::{Component, ComponentRole, FeatureStack, Monitor};
+use std::borrow::Cow;
 
-use crate::components::{sum_of_components, variance_of};
+use stack::{Component, ComponentRole, Estimate, FeatureStack, Image, Monitor, Noise};
+
+use crate::best::GuideFeatures;
+use crate::components::{is_lit, sum_of_components, variance_of};
 use crate::emission::{rebuild_emission, with_emission_apart};
-use crate::method::{Fit, Method};
+use crate::method::{Fit, Method, MethodSettings};
 use crate::prefilter::{FeatureSet, prefilter};
 use crate::reconstruction::{ReconstructError, Reconstruction};
 use crate::rivals::Rival;
+use crate::rivals::lbf::Tuning;
 use crate::rivals::wlr::Variant;
 use crate::{Settings, best, paper, rivals};
 
@@ -28,7 +32,43 @@ pub fn reconstruct(
         Method::Wlrv => rivals::reconstruct(stack, Rival::Wlr(Variant::Visibility), settings, monitor),
         Method::Nfor => rivals::reconstruct(stack, Rival::Nfor, settings, monitor),
         Method::Apr => rivals::reconstruct(stack, Rival::Apr, settings, monitor),
+        Method::Lbf => rivals::reconstruct(stack, Rival::Lbf(Tuning::Trained), settings, monitor),
     }
+}
+
+/// The same, but frees the buckets of `stack` as soon as nothing needs them; means and sample counts stay.
+///
+/// # Errors
+/// As [`reconstruct`].
+pub fn reconstruct_freeing(
+    stack: &mut FeatureStack,
+    settings: &Settings,
+    monitor: &dyn Monitor,
+) -> Result<Reconstruction, ReconstructError> {
+    let MethodSettings { method, fit } = settings.method;
+    if (method, fit) != (Method::Ours, Fit::Collaborative) {
+        return reconstruct(stack, settings, monitor);
+    }
+    let features = best::guide_features(stack, &settings.best.features, monitor)?;
+    stack.features.iter_mut().for_each(|feature| feature.estimate.noise = Noise::Unknown);
+    let mut components = with_noise_of(&mut stack.components);
+    let mut sum = Reconstruction::plain(Image::zeros(stack.size(), 3));
+    // The last first: emission is soon done with.
+    while let Some(component) = components.pop() {
+        if is_lit(&component) {
+            sum.add(collaborative(stack, Cow::Owned(component), &features, settings, monitor)?);
+        }
+    }
+    Ok(sum)
+}
+
+/// Copies of `components` that take over what is known about their noise.
+fn with_noise_of(components: &mut [Component]) -> Vec<Component> {
+    let taken = |component: &mut Component| {
+        let noise = std::mem::replace(&mut component.radiance.noise, Noise::Unknown);
+        Component { role: component.role, radiance: Estimate { mean: component.radiance.mean.clone(), noise } }
+    };
+    components.iter_mut().map(taken).collect()
 }
 
 fn ours(stack: &FeatureStack, settings: &Settings, monitor: &dyn Monitor) -> Result<Reconstruction, ReconstructError> {
@@ -41,17 +81,27 @@ fn ours(stack: &FeatureStack, settings: &Settings, monitor: &dyn Monitor) -> Res
         }
         Fit::Collaborative => {
             let features = best::guide_features(stack, &settings.best.features, monitor)?;
-            sum_of_components(stack.size(), &stack.components, |component| match component.role {
-                ComponentRole::Scattered => best::rebuild(stack, component, &features, &settings.best, monitor),
-                ComponentRole::Emission => {
-                    let (radiance, variance) = (&component.radiance.mean, variance_of(stack, component)?);
-                    let mut rebuilt = rebuild_emission(radiance, &variance, &features.set, settings, monitor)?;
-                    best::share_unseen(&mut rebuilt.mse, &variance);
-                    Ok(rebuilt)
-                }
+            sum_of_components(stack.size(), &stack.components, |component| {
+                collaborative(stack, Cow::Borrowed(component), &features, settings, monitor)
             })
         }
     }
+}
+
+fn collaborative(
+    stack: &FeatureStack,
+    component: Cow<'_, Component>,
+    features: &GuideFeatures,
+    settings: &Settings,
+    monitor: &dyn Monitor,
+) -> Result<Reconstruction, ReconstructError> {
+    if component.role == ComponentRole::Scattered {
+        return best::rebuild(stack, component, features, &settings.best, monitor);
+    }
+    let (radiance, variance) = (&component.radiance.mean, variance_of(stack, &component)?);
+    let mut rebuilt = rebuild_emission(radiance, &variance, &features.set, settings, monitor)?;
+    best::share_unseen(&mut rebuilt.mse, &variance);
+    Ok(rebuilt)
 }
 
 /// The mean of the samples, with its variance as error.

@@ -3,6 +3,7 @@
 use stack::{Cancelled, Fault, Image};
 
 use crate::prefilter::PrefilterError;
+use crate::rivals::lbf::WeightsError;
 
 /// A reconstructed picture and what is known about it, one value per pixel and plane. What a method does not have is
 /// `None`.
@@ -69,6 +70,9 @@ pub enum ReconstructError {
     /// The features cannot be used.
     #[error(transparent)]
     Prefilter(#[from] PrefilterError),
+    /// The weights of the learning-based filter cannot be used.
+    #[error(transparent)]
+    Weights(#[from] WeightsError),
 }
 
 impl ReconstructError {
@@ -78,6 +82,7 @@ impl ReconstructError {
             Self::Cancelled(_) => Fault::Interrupted,
             Self::NoiseUnknown { .. } | Self::NoBuckets { .. } => Fault::Input,
             Self::Prefilter(error) => error.fault(),
+            Self::Weights(error) => error.fault(),
         }
     }
 }

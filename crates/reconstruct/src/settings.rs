@@ -5,6 +5,7 @@ use crate::method::MethodSettings;
 use crate::prefilter::PrefilterSettings;
 use crate::regression::RegressionSettings;
 use crate::rivals::apr::AprSettings;
+use crate::rivals::lbf::LbfSettings;
 use crate::rivals::nfor::NforSettings;
 use crate::rivals::wlr::WlrSettings;
 use crate::spikes::SpikeSettings;
@@ -28,5 +29,7 @@ stack::knob_groups! {
         nfor: NforSettings,
         /// Adaptive polynomial rendering.
         apr: AprSettings,
+        /// The learning-based filter.
+        lbf: LbfSettings,
     }
 }

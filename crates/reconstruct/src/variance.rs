@@ -1,6 +1,7 @@
 //! Variances made fit for use: smoothed, and known everywhere.
 
-use stack::{Estimate, Image, Noise, SampleCounts, Size};
+use rayon::prelude::*;
+use stack::{Estimate, GroupCounts, Image, Noise, SampleCounts, Size};
 
 use crate::box_filter::{box_mean, fill_unknown};
 
@@ -9,7 +10,8 @@ use crate::box_filter::{box_mean, fill_unknown};
 /// NaN where a half is empty. `None` when the noise does not come in buckets.
 pub fn half_variance(estimate: &Estimate, counts: &SampleCounts, map: impl Fn(usize, f32) -> f32) -> Option<Image> {
     let [a, b] = estimate.halves(counts)?;
-    let shares: Vec<f32> = (0..a.pixels()).map(|pixel| share_of_halves(counts, pixel)).collect();
+    let counts = counts.grouped(2);
+    let shares: Vec<f32> = (0..a.pixels()).map(|pixel| share_of_halves(&counts, pixel)).collect();
     let mut variance = a;
     for (c, (a, b)) in variance.channels_mut().iter_mut().zip(b.channels()).enumerate() {
         for ((a, b), share) in a.iter_mut().zip(b).zip(&shares) {
@@ -20,25 +22,28 @@ pub fn half_variance(estimate: &Estimate, counts: &SampleCounts, map: impl Fn(us
 }
 
 /// n_A n_B / n² of one pixel; NaN when a half is empty.
-fn share_of_halves(counts: &SampleCounts, pixel: usize) -> f32 {
-    let [a, b] = [0, 1].map(|half| counts.in_group(pixel, half, 2) as f32);
+fn share_of_halves(counts: &GroupCounts, pixel: usize) -> f32 {
+    let [a, b] = [0, 1].map(|half| counts.of(pixel, half) as f32);
     if a > 0.0 && b > 0.0 { a * b / ((a + b) * (a + b)) } else { f32::NAN }
 }
 
 /// Variance of the mean from the spread of all buckets, per channel: Σ n_b (x_b − m)²/((B − 1) n) over the B that hold
 /// samples, after `map` was applied to each. Less noisy than two halves. NaN where fewer than two hold samples. `None`
 /// when the noise does not come in buckets.
-pub fn bucket_variance(estimate: &Estimate, counts: &SampleCounts, map: impl Fn(usize, f32) -> f32) -> Option<Image> {
+pub fn bucket_variance(
+    estimate: &Estimate,
+    counts: &SampleCounts,
+    map: impl Fn(usize, f32) -> f32 + Sync,
+) -> Option<Image> {
     let Noise::Buckets(buckets) = &estimate.noise else { return None };
     let mut variance = Image::zeros(estimate.mean.size(), estimate.mean.channels().len());
-    let mut held: Vec<(usize, f32)> = Vec::new();
-    for pixel in 0..variance.pixels() {
-        held.clear();
-        held.extend((0..buckets.len()).map(|b| (b, counts.in_group(pixel, b, buckets.len()) as f32)));
-        held.retain(|(_, n)| *n > 0.0);
-        for (c, plane) in variance.channels_mut().iter_mut().enumerate() {
-            plane[pixel] = spread(held.iter().map(|(b, n)| (*n, map(c, buckets[*b].channels()[c][pixel]))));
-        }
+    let counts = counts.grouped(buckets.len());
+    for (c, plane) in variance.channels_mut().iter_mut().enumerate() {
+        plane.par_iter_mut().enumerate().for_each(|(pixel, variance)| {
+            let count = |b: &usize| counts.of(pixel, *b) as f32;
+            let held = (0..buckets.len()).filter(|b| count(b) > 0.0);
+            *variance = spread(held.map(|b| (count(&b), map(c, buckets[b].channels()[c][pixel]))));
+        });
     }
     Some(variance)
 }

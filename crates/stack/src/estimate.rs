@@ -69,28 +69,30 @@ impl Estimate {
 /// Pixels that one task works on.
 const CHUNK: usize = 4096;
 
-/// Mean of those `buckets` that `keep` names, weighted by their counts; zero where none has a sample.
-fn weighted_mean_of(buckets: &[Image], counts: &SampleCounts, keep: impl Fn(usize) -> bool + Sync) -> Image {
-    map_planes(buckets, counts, |values, n, _| {
+/// Mean of those `buckets` whose `numbers` are given, weighted by their counts; zero where none has a sample.
+fn weighted_mean_of(buckets: &[Image], counts: &SampleCounts, numbers: impl Iterator<Item = usize>) -> Image {
+    let numbers: Vec<usize> = numbers.collect();
+    map_planes(buckets, &numbers, counts, |values, n, _| {
         let (mut sum, mut weight) = (0.0_f32, 0.0_f32);
-        for b in (0..n.len()).filter(|b| n[*b] > 0.0 && keep(*b)) {
-            sum += n[b] * values[b];
-            weight += n[b];
+        for (value, n) in values.iter().zip(n).filter(|(_, n)| **n > 0.0) {
+            sum += n * value;
+            weight += n;
         }
         if weight > 0.0 { sum / weight } else { 0.0 }
     })
 }
 
 fn weighted_mean(buckets: &[Image], counts: &SampleCounts) -> Image {
-    weighted_mean_of(buckets, counts, |_| true)
+    weighted_mean_of(buckets, counts, 0..buckets.len())
 }
 
 fn group_mean(buckets: &[Image], counts: &SampleCounts, group: usize, groups: usize) -> Image {
-    weighted_mean_of(buckets, counts, |b| b % groups == group)
+    weighted_mean_of(buckets, counts, (group..buckets.len()).step_by(groups))
 }
 
 fn spread_of_buckets(buckets: &[Image], mean: &Image, counts: &SampleCounts) -> Image {
-    map_planes(buckets, counts, |values, n, (channel, pixel)| {
+    let numbers: Vec<usize> = (0..buckets.len()).collect();
+    map_planes(buckets, &numbers, counts, |values, n, (channel, pixel)| {
         let m = mean.channels()[channel][pixel];
         let filled = n.iter().filter(|n| **n > 0.0).count();
         let held = values.iter().zip(n).filter(|(_, n)| **n > 0.0);
@@ -99,21 +101,24 @@ fn spread_of_buckets(buckets: &[Image], mean: &Image, counts: &SampleCounts) -> 
     })
 }
 
-/// An image whose every value is `f` of the buckets' values there, their sample counts, and (channel, pixel).
+/// An image whose every value is `f` of the values there of the buckets with these `numbers`, their sample counts, and
+/// (channel, pixel).
 fn map_planes(
     buckets: &[Image],
+    numbers: &[usize],
     counts: &SampleCounts,
     f: impl Fn(&[f32], &[f32], (usize, usize)) -> f32 + Sync,
 ) -> Image {
     let mut image = Image::zeros(buckets[0].size(), buckets[0].channels().len());
+    let counts = counts.grouped(buckets.len());
     for (c, plane) in image.channels_mut().iter_mut().enumerate() {
         plane.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, out)| {
-            let (mut values, mut n) = (vec![0.0; buckets.len()], vec![0.0; buckets.len()]);
+            let (mut values, mut n) = (vec![0.0; numbers.len()], vec![0.0; numbers.len()]);
             for (i, out) in out.iter_mut().enumerate() {
                 let pixel = chunk * CHUNK + i;
-                for (b, bucket) in buckets.iter().enumerate() {
-                    values[b] = bucket.channels()[c][pixel];
-                    n[b] = counts.in_group(pixel, b, buckets.len()) as f32;
+                for (i, b) in numbers.iter().enumerate() {
+                    values[i] = buckets[*b].channels()[c][pixel];
+                    n[i] = counts.of(pixel, *b) as f32;
                 }
                 *out = f(&values, &n, (c, pixel));
             }

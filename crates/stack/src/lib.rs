@@ -22,4 +22,4 @@ pub use file::Passthrough;
 pub use image::{Image, Size, Window};
 pub use knob::{Knob, KnobError, KnobValue, Knobs, flag_name, read_knob};
 pub use monitor::{Cancelled, Monitor, Silent};
-pub use samples::{Dealing, Place, SampleCounts, SampleMap, place};
+pub use samples::{Dealing, GroupCounts, Place, SampleCounts, SampleMap, place};

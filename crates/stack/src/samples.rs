@@ -75,6 +75,18 @@ impl SampleCounts {
     /// Samples of `pixel` in group `group` when the buckets are gathered into `groups` groups (bucket `b` goes to
     /// group `b mod groups`): with `groups` = number of buckets a bucket's own count, with 2 a half's.
     pub fn in_group(&self, pixel: usize, group: usize, groups: usize) -> u32 {
+        self.of_total(self.total[pixel], group, groups)
+    }
+
+    /// The same for all pixels, to be looked up.
+    pub fn grouped(&self, groups: usize) -> GroupCounts<'_> {
+        let most = self.total.iter().copied().max().unwrap_or(0).min(MOST_KNOWN);
+        let of_total = |total: u32| (0..groups).map(move |group| self.of_total(total, group, groups));
+        GroupCounts { counts: self, groups, known: (0..=most).flat_map(of_total).collect() }
+    }
+
+    /// Samples in a group of a pixel that has `total`.
+    fn of_total(&self, total: u32, group: usize, groups: usize) -> u32 {
         match &self.dealing {
             Dealing::PerBucket(counts) => counts.iter().skip(group).step_by(groups).sum(),
             Dealing::Numbered { sequences, buckets } => {
@@ -84,7 +96,7 @@ impl SampleCounts {
                         .map(|bucket| numbered_before(n, bucket, *sequences, *buckets))
                         .sum()
                 };
-                upto(self.first + self.total[pixel]) - upto(self.first)
+                upto(self.first + total) - upto(self.first)
             }
         }
     }
@@ -95,6 +107,26 @@ impl SampleCounts {
         let mean = sum as f64 / self.total.len().max(1) as f64;
         let least = self.total.iter().copied().min().unwrap_or(0);
         (mean, least, self.total.iter().copied().max().unwrap_or(0))
+    }
+}
+
+/// Totals up to which counts are looked up; those of rarer pixels are counted anew.
+const MOST_KNOWN: u32 = 1 << 14;
+
+/// Sample counts in groups of buckets: [`SampleCounts::in_group`] for one number of groups, looked up by a pixel's total.
+#[derive(Clone, Debug)]
+pub struct GroupCounts<'a> {
+    counts: &'a SampleCounts,
+    groups: usize,
+    known: Vec<u32>,
+}
+
+impl GroupCounts<'_> {
+    /// Samples of `pixel` in `group`.
+    #[inline]
+    pub fn of(&self, pixel: usize, group: usize) -> u32 {
+        let at = self.counts.total[pixel] as usize * self.groups + group;
+        self.known.get(at).copied().unwrap_or_else(|| self.counts.in_group(pixel, group, self.groups))
     }
 }
 
@@ -151,6 +183,7 @@ mod tests {
                 if buckets > 1 {
                     let even: u32 = expected.iter().step_by(2).sum();
                     assert_eq!(counts.in_group(0, 0, 2), even);
+                    assert_eq!(counts.grouped(2).of(0, 0), even);
                     assert_eq!(counts.in_group(0, 1, 2), total - even);
                 }
             }

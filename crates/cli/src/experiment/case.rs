@@ -17,8 +17,8 @@ pub struct Case {
     pub name: String,
     pub stack: FeatureStack,
     pub references: [Image; 2],
-    /// What Open Image Denoise made of it, where the folder has that.
-    pub oidn: Option<Image>,
+    /// What other programs made of it, by name.
+    pub others: Vec<(&'static str, Image)>,
 }
 
 impl Case {
@@ -41,7 +41,8 @@ impl Case {
         let read = read_buckets(&buckets).with_context(|| format!("{}: b0.exr, b1.exr …", folder.display()))?;
         let references = [read_picture(&folder.join("ref1.exr"))?, read_picture(&folder.join("ref2.exr"))?];
         let oidn = Some(folder.join("oidn.exr")).filter(|file| file.exists());
-        Ok(Self { name, stack: read.stack, references, oidn: oidn.map(|file| read_picture(&file)).transpose()? })
+        let others = oidn.map(|file| read_picture(&file)).transpose()?.map(|picture| ("oidn", picture));
+        Ok(Self { name, stack: read.stack, references, others: others.into_iter().collect() })
     }
 
     /// Measures `picture` against both references.

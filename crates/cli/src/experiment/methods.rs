@@ -1,20 +1,25 @@
 //! Every method on every stack, and against Open Image Denoise.
 
+use std::path::Path;
 use std::time::Instant;
 
 use anyhow::Result;
 use reconstruct::metrics::Comparison;
 use reconstruct::reconstruct;
 use stack::Image;
-use stack::file::write_picture;
+use stack::file::{Carried, ResultLayer, StackHeader, write_picture, write_stack};
 
 use super::case::{Case, Entry, settings};
 use super::geometric_mean::geometric_mean;
+use super::oidn::{self, NAMES};
+use super::reference::references;
+use super::scenes::Stage;
 use super::table::{Table, maybe};
 use crate::args::{ExperimentArgs, Preset};
 use crate::exposure;
 use crate::output::write_png;
 use crate::progress::Progress;
+use crate::render::Budget;
 
 /// Every method there is.
 pub const METHODS: &[Entry] = &[
@@ -24,36 +29,80 @@ pub const METHODS: &[Entry] = &[
     ("wlrv", Preset::Paper, &[("method", "wlrv")]),
     ("nfor", Preset::Paper, &[("method", "nfor")]),
     ("apr", Preset::Paper, &[("method", "apr")]),
+    ("lbf", Preset::Paper, &[("method", "lbf")]),
     ("paper", Preset::Paper, &[]),
     ("best", Preset::Best, &[]),
     ("fast", Preset::Fast, &[]),
 ];
 
-/// The row that the others are divided by.
-const RIVAL: &str = "oidn";
+/// Methods that are not ours: published ones, and other programs.
+const RIVALS: [&str; 8] = ["wlr", "wlrp", "wlrv", "nfor", "apr", "lbf", "oidn", "oidn-clean"];
 
 /// A judged picture of one stack.
 struct Cell {
     method: &'static str,
     comparison: Comparison,
-    /// Time of the reconstruction; nobody knows how long the rival took.
+    /// Time of the reconstruction; nobody knows how long another program took.
     seconds: Option<f64>,
 }
 
-/// Runs the experiment on every folder given.
+/// Runs the experiment on every folder and scene given.
 pub fn run(args: &ExperimentArgs, progress: &Progress) -> Result<Vec<Table>> {
     let head = ["stack", "method", "cross rMSE", "trimmed", "FLIP", "SSIM", "energy", "seconds"];
     let mut table = Table::new("Methods", &head);
     let mut judged = Vec::new();
-    for case in Case::open_all(args)? {
-        let cells = judge(&case, args, progress)?;
+    let mut take = |case: &Case| -> Result<()> {
+        let cells = judge(case, args, progress)?;
         table.rows.extend(cells.iter().map(|cell| row(&case.name, cell)));
         judged.push(cells);
+        Ok(())
+    };
+    for input in &args.inputs {
+        if input.is_dir() {
+            take(&beside_oidn(Case::open(input)?, input, args)?)?;
+        } else {
+            let stage = Stage::open(input, args, progress)?;
+            let references = references(args, &stage, progress)?;
+            for (spp, seed) in args.spp.iter().flat_map(|spp| (0..args.seeds).map(move |seed| (*spp, seed))) {
+                take(&rendered(&stage, &references, (spp, seed), args, progress)?)?;
+            }
+        }
     }
-    Ok(std::iter::once(table).chain(ratios(&judged)).collect())
+    let ratios = [("Open Image Denoise's", &NAMES[..]), ("the best rival's", &RIVALS[..])];
+    Ok(std::iter::once(table).chain(ratios.iter().filter_map(|(whose, rivals)| over(whose, rivals, &judged))).collect())
 }
 
-/// All methods on one stack, the rival last; writes their pictures.
+/// A folder's case, with what the program that was given makes of it.
+fn beside_oidn(mut case: Case, input: &Path, args: &ExperimentArgs) -> Result<Case> {
+    if let Some(command) = &args.oidn {
+        case.others = oidn::denoise(command, input, &args.output)?;
+    }
+    Ok(case)
+}
+
+/// Uniform samples of a scene, kept as a stack in the experiment's folder.
+fn rendered(
+    stage: &Stage,
+    references: &[Image; 2],
+    (spp, seed): (u32, u64),
+    args: &ExperimentArgs,
+    progress: &Progress,
+) -> Result<Case> {
+    let mut settings = args.settings()?;
+    settings.trace.seed = seed;
+    let name = format!("{}-{spp}spp-{seed}", stage.name);
+    progress.say(&format!("{name}: samples"));
+    let stack = stage.render(&settings, &Budget::uniform(spp), false, progress)?.stack;
+    let file = args.output.join(format!("{name}.exr"));
+    let (sequences, buckets) = (settings.trace.sequences, settings.trace.buckets);
+    let header = StackHeader { first: 0, sequences, buckets, per_bucket: None, settings: settings.to_json() };
+    let picture = stack.beauty();
+    let picture = ResultLayer { name: "", channels: &["R", "G", "B"], planes: picture.channels() };
+    write_stack(&file, &stack, true, &header, &[picture], &Carried::default())?;
+    beside_oidn(Case { name, stack, references: references.clone(), others: Vec::new() }, &file, args)
+}
+
+/// All methods on one stack, other programs last; writes their pictures.
 fn judge(case: &Case, args: &ExperimentArgs, progress: &Progress) -> Result<Vec<Cell>> {
     let stops = exposure::choose(&case.references[0]);
     let keep = |name: &str, picture: &Image| -> Result<()> {
@@ -72,9 +121,9 @@ fn judge(case: &Case, args: &ExperimentArgs, progress: &Progress) -> Result<Vec<
         keep(method, &picture)?;
         cells.push(Cell { method, comparison: case.judge(&picture)?, seconds });
     }
-    if let Some(oidn) = &case.oidn {
-        keep(RIVAL, oidn)?;
-        cells.push(Cell { method: RIVAL, comparison: case.judge(oidn)?, seconds: None });
+    for (name, picture) in &case.others {
+        keep(name, picture)?;
+        cells.push(Cell { method: name, comparison: case.judge(picture)?, seconds: None });
     }
     Ok(cells)
 }
@@ -90,25 +139,35 @@ fn errors(c: &Comparison) -> [Option<f64>; 4] {
     [c.rmse_cross, c.rmse_cross_trimmed, c.flip, c.ssim.map(|ssim| 1.0 - ssim)]
 }
 
-/// Geometric means of every method's errors over the rival's, over the stacks that have it. `None` when none has.
-fn ratios(judged: &[Vec<Cell>]) -> Option<Table> {
-    let pairs: Vec<(&Cell, &Cell)> = judged
-        .iter()
-        .filter_map(|cells| cells.iter().find(|cell| cell.method == RIVAL).map(|rival| (cells, rival)))
-        .flat_map(|(cells, rival)| cells.iter().map(move |cell| (cell, rival)))
-        .collect();
-    let stacks = pairs.iter().filter(|(cell, _)| cell.method == RIVAL).count();
-    let head = ["method", "cross rMSE", "trimmed", "FLIP", "1 − SSIM"];
-    let mut table = Table::new(format!("Errors over {RIVAL}'s, geometric mean (stacks: {stacks})"), &head);
+/// Every method's errors over the least of the `rivals'`, error by error: geometric means over the stacks that some rival
+/// that was not made here has a picture of, and the largest trimmed one. `None` when there is no such stack.
+fn over(whose: &str, rivals: &[&str], judged: &[Vec<Cell>]) -> Option<Table> {
+    let compared: Vec<&Vec<Cell>> =
+        judged.iter().filter(|cells| cells.iter().any(|cell| NAMES.contains(&cell.method))).collect();
+    let title = format!("Errors over {whose}, geometric mean (stacks: {})", compared.len());
+    let mut table = Table::new(title, &["method", "cross rMSE", "trimmed", "FLIP", "1 − SSIM", "worst trimmed"]);
     for (method, ..) in METHODS {
-        let of_method = pairs.iter().filter(|(cell, _)| cell.method == *method);
-        let ratio = |(cell, rival): &(&Cell, &Cell), error: usize| {
-            Some(errors(&cell.comparison)[error]? / errors(&rival.comparison)[error]?)
-        };
-        let mean = |error: usize| geometric_mean(of_method.clone().map(|pair| ratio(pair, error)));
-        table.rows.push(std::iter::once((*method).to_string()).chain((0..4).map(|e| maybe(mean(e)))).collect());
+        let ratios: Vec<[Option<f64>; 4]> = compared.iter().map(|cells| ratios(cells, method, rivals)).collect();
+        let mean = |error: usize| maybe(geometric_mean(ratios.iter().map(|ratios| ratios[error])));
+        let worst = ratios.iter().filter_map(|ratios| ratios[1]).reduce(f64::max);
+        table.rows.push(
+            std::iter::once((*method).to_string())
+                .chain((0..4).map(mean))
+                .chain(std::iter::once(maybe(worst)))
+                .collect(),
+        );
     }
-    (stacks > 0).then_some(table)
+    (!compared.is_empty()).then_some(table)
+}
+
+/// Errors of `method` over the least of the `rivals'`. A rival whose measure is not above 0, by chance, does not count.
+fn ratios(cells: &[Cell], method: &str, rivals: &[&str]) -> [Option<f64>; 4] {
+    let own = cells.iter().find(|cell| cell.method == method);
+    std::array::from_fn(|error| {
+        let of_rivals = cells.iter().filter(|cell| rivals.contains(&cell.method));
+        let least = of_rivals.filter_map(|cell| errors(&cell.comparison)[error].filter(|e| *e > 0.0)).reduce(f64::min);
+        Some(errors(&own?.comparison)[error]? / least?)
+    })
 }
 
 #[cfg(test)]
@@ -121,17 +180,19 @@ mod tests {
     }
 
     #[test]
-    fn ratios_are_geometric_means_over_stacks_with_the_rival() {
+    fn ratios_are_geometric_means_over_stacks_with_another_program() {
         let judged = [
-            vec![cell("paper", 0.04, 0.6), cell("ld", -1.0, 0.5), cell(RIVAL, 0.01, 0.9)],
-            vec![cell("paper", 0.09, 0.8), cell("ld", 1.0, 0.5), cell(RIVAL, 0.09, 0.6)],
+            vec![cell("paper", 0.04, 0.6), cell("ld", -1.0, 0.5), cell("nfor", 0.005, 0.5), cell("oidn", 0.01, 0.9)],
+            vec![cell("paper", 0.09, 0.8), cell("ld", 1.0, 0.5), cell("oidn-clean", 0.09, 0.6), cell("oidn", 0.2, 0.1)],
             vec![cell("paper", 1e9, 0.0), cell("ld", 1.0, 0.5)],
         ];
-        let table = ratios(&judged).unwrap();
+        let table = over("theirs", &NAMES, &judged).unwrap();
         assert!(table.title.contains("stacks: 2"), "{}", table.title);
-        let row = |name: &str| table.rows.iter().find(|row| row[0] == name).unwrap().clone();
-        assert_eq!(row("paper"), ["paper", "2.00", "-", "-", "1.41"]);
-        assert_eq!(row("ld"), ["ld", "-", "-", "-", "2.50"]);
-        assert!(ratios(&judged[2..]).is_none());
+        let row = |table: &Table, name: &str| table.rows.iter().find(|row| row[0] == name).unwrap().clone();
+        assert_eq!(row(&table, "paper"), ["paper", "2.00", "-", "-", "1.41", "-"]);
+        assert_eq!(row(&table, "ld"), ["ld", "-", "-", "-", "2.50", "-"]);
+        let of_all = over("all", &RIVALS, &judged).unwrap();
+        assert_eq!(row(&of_all, "paper")[1], "2.83", "the first stack's least is nfor's");
+        assert!(over("theirs", &NAMES, &judged[2..]).is_none());
     }
 }

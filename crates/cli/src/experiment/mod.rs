@@ -6,7 +6,9 @@ mod errormap;
 mod figures;
 mod fireflies;
 mod geometric_mean;
+mod learning;
 mod methods;
+mod oidn;
 mod reference;
 mod scenes;
 mod sequences;
@@ -28,8 +30,8 @@ pub enum Experiment {
     /// Error with each stage switched off in turn, and how rank and bandwidth are distributed. Inputs: folders with
     /// b0.exr, b1.exr …, ref1.exr and ref2.exr.
     Stages,
-    /// Every method on every stack: errors, time, pictures, and errors over Open Image Denoise's. Inputs: folders as for
-    /// stages, perhaps with oidn.exr.
+    /// Every method on every stack: errors, time, pictures, and errors over Open Image Denoise's and over the best
+    /// rival's. Inputs: folders as for stages, perhaps with oidn.exr, or scenes.
     Methods,
     /// Noisy, uniform and adaptive pictures of scenes and adaptive over uniform errors. Inputs: scenes.
     Scenes,
@@ -43,11 +45,15 @@ pub enum Experiment {
     Figures,
     /// Planted fireflies found, and marks where there are none, on synthetic pictures. No inputs.
     Fireflies,
+    /// Trains the learning-based filter (--method lbf) on variations of scenes/*.toml of this project, writes its
+    /// weights, and judges them beside the best fixed filter on pictures held out. The seed is --set seed=N. Inputs:
+    /// scenes, or folders as for stages, to judge on; without any, scenes/*.toml as they are.
+    Lbf,
 }
 
 impl Experiment {
     const fn needs_inputs(self) -> bool {
-        !matches!(self, Self::Fireflies | Self::Figures)
+        !matches!(self, Self::Fireflies | Self::Figures | Self::Lbf)
     }
 }
 
@@ -69,6 +75,7 @@ pub fn run(args: &ExperimentArgs) -> Result<Verdict> {
         Experiment::Errormap => errormap::run(args, &progress)?,
         Experiment::Figures => figures::run(args, &progress)?,
         Experiment::Fireflies => fireflies::run(&progress)?,
+        Experiment::Lbf => learning::run(args, &progress)?,
     };
     progress.finish();
     let name = args.name.to_possible_value().map_or_else(String::new, |value| value.get_name().to_string());

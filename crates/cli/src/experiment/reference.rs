@@ -21,7 +21,15 @@ const SEEDS: [u64; 2] = [u64::MAX >> 32, u64::MAX >> 33];
 /// # Errors
 /// When it can neither be read nor traced and written.
 pub fn reference(args: &ExperimentArgs, stage: &Stage, progress: &Progress) -> Result<Image> {
-    Ok(converged(args, stage, 0, progress)?.beauty())
+    Ok(reference_stack(args, stage, progress)?.beauty())
+}
+
+/// [`reference()`] with its components and features.
+///
+/// # Errors
+/// As [`reference()`].
+pub fn reference_stack(args: &ExperimentArgs, stage: &Stage, progress: &Progress) -> Result<FeatureStack> {
+    converged(args, stage, 0, progress)
 }
 
 /// The pictures of two independent references.

@@ -18,6 +18,9 @@ use crate::progress::Progress;
 use crate::render::{Budget, Finished, Sampling, View, open_scene, trace_adaptively};
 use crate::settings::Settings;
 
+/// This project's own scenes, from its folder.
+pub const OWN_SCENES: [&str; 3] = ["scenes/study.toml", "scenes/halves.toml", "scenes/defocus.toml"];
+
 /// A scene with its camera.
 pub struct Stage {
     pub name: String,

@@ -5,9 +5,10 @@ use stack::{Cancelled, Image, Monitor, SampleCounts};
 
 use super::guided_kernel::GuidedKernel;
 use super::settings::CascadeSettings;
+use crate::per_pixel;
 
-/// Further scales over which the significance of a detail is smoothed.
-const SMOOTHINGS: [usize; 3] = [1, 2, 4];
+/// How often the significance of a detail is smoothed: at its own scale, and at so many less one of the next.
+const SMOOTHINGS: usize = 3;
 
 /// Independent parts of a picture.
 pub struct Parts {
@@ -56,39 +57,43 @@ pub fn add_significant_residual(
     let shares = parts.shares;
     let mut residual = residuals(parts.images, picture);
     let mut found = vec![vec![0.0; picture.pixels()]; 3];
-    for level in 0..settings.levels {
+    let mut pending: Vec<Pending> = Vec::new();
+    // A detail is smoothed at its own scale and along with the residual at the next two.
+    for level in 0..settings.levels + SMOOTHINGS - 1 {
         if monitor.cancelled() {
             return Err(Cancelled);
         }
-        let step = 1 << level;
-        let coarse = kernel.smooth(&residual, step);
-        let detail = Detail::of(&residual, &coarse, &shares, &relative);
-        let mut power = vec![detail.square, detail.variance];
-        for scale in SMOOTHINGS {
-            power = kernel.smooth(&power, step * scale);
+        let (step, last) = (1 << level, level >= settings.levels);
+        let kept = if last { 0 } else { residual.len() };
+        let powers = pending.iter().flat_map(|pending| &pending.power);
+        let planes: Vec<&Vec<f32>> = residual[..kept].iter().chain(powers).collect();
+        let mut smooth = kernel.smooth(&planes, step).into_iter();
+        let coarse: Vec<Vec<f32>> = smooth.by_ref().take(kept).collect();
+        pending.iter_mut().for_each(|pending| pending.power = smooth.by_ref().take(2).collect());
+        if level + 1 >= SMOOTHINGS && !pending.is_empty() {
+            pending.remove(0).add_significant(&mut found, settings.significance);
         }
-        for (found, mean) in found.iter_mut().zip(&detail.mean) {
-            for (i, (found, mean)) in found.iter_mut().zip(mean).enumerate() {
-                let (square, variance) = (power[0][i], power[1][i]);
-                *found += ((square - settings.significance * variance) / (square + 1e-20)).max(0.0) * mean;
-            }
+        if !last {
+            let mut detail = Pending::of(&residual, &coarse, &shares, &relative);
+            detail.power = kernel.smooth(&detail.power, step);
+            pending.push(detail);
+            residual = coarse;
+            monitor.advance(1);
         }
-        residual = coarse;
-        monitor.advance(1);
     }
-    for (c, (plane, found)) in picture.channels_mut().iter_mut().zip(&found).enumerate() {
+    picture.channels_mut().par_iter_mut().zip(&found).enumerate().for_each(|(c, (plane, found))| {
         for (i, (value, found)) in plane.iter_mut().zip(found).enumerate() {
             let rest: f32 = shares.iter().enumerate().map(|(g, share)| share[i] * residual[3 * g + c][i]).sum();
             *value = (*value + found + rest).max(0.0);
         }
-    }
+    });
     Ok(())
 }
 
 /// The share of each group in the mean of every pixel.
 fn group_shares(counts: &SampleCounts, pixels: usize, groups: usize) -> Vec<Vec<f32>> {
-    let share =
-        |pixel: usize, group: usize| counts.in_group(pixel, group, groups) as f32 / counts.total[pixel].max(1) as f32;
+    let grouped = counts.grouped(groups);
+    let share = |pixel: usize, group: usize| grouped.of(pixel, group) as f32 / counts.total[pixel].max(1) as f32;
     (0..groups).into_par_iter().map(|group| (0..pixels).map(|pixel| share(pixel, group)).collect()).collect()
 }
 
@@ -102,37 +107,42 @@ fn residuals(mut groups: Vec<Image>, picture: &Image) -> Vec<Vec<f32>> {
     groups.into_iter().flat_map(Image::into_channels).collect()
 }
 
-/// One scale of the residual.
-struct Detail {
+/// One scale of the residual, whose significance is not known yet.
+struct Pending {
     /// Mean over buckets, three planes.
     mean: Vec<Vec<f32>>,
-    /// Its square, relative, summed over channels.
-    square: Vec<f32>,
-    /// Its variance, relative, summed over channels.
-    variance: Vec<f32>,
+    /// Its square and its variance, relative, summed over channels, and smoothed as far as they are.
+    power: Vec<Vec<f32>>,
 }
 
-impl Detail {
+impl Pending {
     fn of(fine: &[Vec<f32>], coarse: &[Vec<f32>], shares: &[Vec<f32>], relative: &[f32]) -> Self {
         let pixel = |pixel: usize| {
             let filled = shares.iter().filter(|share| share[pixel] > 0.0).count();
             let scale = relative[pixel] / filled.saturating_sub(1).max(1) as f32;
-            let (mut means, mut square, mut variance) = ([0.0; 3], 0.0, 0.0);
-            for (c, mean) in means.iter_mut().enumerate() {
+            let mut numbers = [0.0; 5];
+            for c in 0..3 {
                 let at = |g: usize| fine[3 * g + c][pixel] - coarse[3 * g + c][pixel];
-                *mean = shares.iter().enumerate().map(|(g, share)| share[pixel] * at(g)).sum();
-                square += relative[pixel] * *mean * *mean;
-                let spread = |(g, share): (usize, &Vec<f32>)| share[pixel] * (at(g) - *mean).powi(2);
-                variance += scale * shares.iter().enumerate().map(spread).sum::<f32>();
+                let mean: f32 = shares.iter().enumerate().map(|(g, share)| share[pixel] * at(g)).sum();
+                let spread = |(g, share): (usize, &Vec<f32>)| share[pixel] * (at(g) - mean).powi(2);
+                numbers[c] = mean;
+                numbers[3] += relative[pixel] * mean * mean;
+                numbers[4] += scale * shares.iter().enumerate().map(spread).sum::<f32>();
             }
-            (means, square, variance)
+            numbers
         };
-        let pixels: Vec<([f32; 3], f32, f32)> = (0..relative.len()).into_par_iter().map(pixel).collect();
-        Self {
-            mean: (0..3).map(|c| pixels.iter().map(|(mean, ..)| mean[c]).collect()).collect(),
-            square: pixels.iter().map(|(_, square, _)| *square).collect(),
-            variance: pixels.iter().map(|(.., variance)| *variance).collect(),
-        }
+        let mut planes = per_pixel::planes(relative.len(), pixel).into_iter();
+        Self { mean: planes.by_ref().take(3).collect(), power: planes.collect() }
+    }
+
+    /// Adds its significant part to `found`.
+    fn add_significant(self, found: &mut [Vec<f32>], significance: f32) {
+        let (squares, variances) = (&self.power[0], &self.power[1]);
+        found.par_iter_mut().zip(&self.mean).for_each(|(found, mean)| {
+            for (i, (found, mean)) in found.iter_mut().zip(mean).enumerate() {
+                *found += ((squares[i] - significance * variances[i]) / (squares[i] + 1e-20)).max(0.0) * mean;
+            }
+        });
     }
 }
 

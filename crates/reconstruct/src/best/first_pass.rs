@@ -4,11 +4,12 @@ use stack::{Cancelled, Image, Monitor};
 
 use super::choice::mixture;
 use super::given::Given;
+use super::halves::halves_of;
 use super::settings::FitSettings;
 use super::split::Layers;
 use crate::box_filter::box_mean;
-use crate::collaborative::{Fitted, Guide, Kernel, Ridge, collaborate, rows_of, units};
-use crate::patch_distance::{Comparison, NoisyPlanes};
+use crate::collaborative::{Fitted, Guides, Kernel, Ridge, collaborate, units};
+use crate::patch_distance::Comparison;
 
 /// Bandwidths of the two candidates.
 const BANDWIDTHS: [f32; 2] = [0.5, 1.0];
@@ -21,25 +22,28 @@ const BANDWIDTHS: [f32; 2] = [0.5, 1.0];
 pub fn first_pass(given: &Given, settings: &FitSettings, monitor: &dyn Monitor) -> Result<[Image; 2], Cancelled> {
     let Given { layers, noise, samples, features } = *given;
     let size = features.set.size;
-    let rows = rows_of(&features.set, [&layers.halves[0], &layers.halves[1]]);
-    let ridge = Ridge { least: settings.ridge, per_noise: settings.ridge_noise };
-    let fitted = Fitted { rows: &rows, importance: samples, noise, ridge, stride: settings.stride };
-    let kernels = BANDWIDTHS.map(|bandwidth| Kernel { bandwidth, sigma: f32::INFINITY });
-    monitor.begin("first pass", 2 * units(size, settings.stride));
-    let rebuild = |half: usize| -> Result<Vec<Image>, Cancelled> {
-        let guide = Guide {
-            planes: NoisyPlanes {
-                size,
-                values: layers.halves[1 - half].channels(),
-                variances: layers.variance.channels(),
-            },
-            comparison: Comparison { patch_radius: 2, epsilon: 1e-8, noise_taken_off: 1.0 },
-            radius: settings.first_radius,
-        };
-        let predicted = collaborate(&fitted, &guide, &kernels, monitor)?;
-        Ok(predicted.into_iter().map(|[a, b]| if half == 0 { a } else { b }).collect())
+    let colours = [0, 1].map(|half: usize| layers.halves[half].channels());
+    let planes = colours.map(|planes| planes.iter().map(Vec::as_slice).collect::<Vec<_>>());
+    let fitted = Fitted {
+        features: &features.set.planes,
+        responses: &[&planes[0], &planes[1]],
+        importance: samples,
+        noise,
+        ridge: Ridge { least: settings.ridge, per_noise: settings.ridge_noise },
+        stride: settings.stride,
+        covered: settings.covered,
     };
-    let candidates: Vec<[Image; 2]> = rebuild(0)?.into_iter().zip(rebuild(1)?).map(|(a, b)| [a, b]).collect();
+    let guides = Guides {
+        size,
+        values: &[colours[1], colours[0]],
+        variances: layers.variance.channels(),
+        comparison: Comparison { patch_radius: 2, epsilon: 1e-8, noise_taken_off: 1.0 },
+        radius: settings.first_radius,
+    };
+    let kernels = BANDWIDTHS.map(|bandwidth| Kernel { bandwidth, sigma: f32::INFINITY });
+    monitor.begin("first pass", units(size, settings.stride, settings.covered));
+    let predicted = collaborate(&fitted, &guides, &kernels, monitor)?;
+    let candidates: Vec<[Image; 2]> = predicted.into_iter().map(|planes| halves_of(size, planes)).collect();
     Ok(better_of(&candidates, layers))
 }
 

@@ -1,6 +1,12 @@
 //! Arithmetic of pictures that come in halves.
 
-use stack::Image;
+use stack::{Image, Size};
+
+/// Two images of `size` whose six planes are `planes`, however they are grouped.
+pub fn halves_of(size: Size, planes: Vec<Vec<Vec<f32>>>) -> [Image; 2] {
+    let mut planes = planes.into_iter().flatten();
+    [0, 1].map(|_| Image::from_channels(size, planes.by_ref().take(3).collect()))
+}
 
 /// Sum of two images.
 pub fn sum_of([a, b]: &[Image; 2]) -> Image {

@@ -22,6 +22,8 @@ mod spread;
 #[cfg(test)]
 mod test_scene;
 
+use std::borrow::Cow;
+
 use stack::{Component, FeatureStack, Monitor};
 
 use self::cascade::{Parts, add_significant_residual};
@@ -40,19 +42,21 @@ use settings::{ChoiceSettings, RestoreSettings};
 /// Groups that buckets are put together in for the cascade: fewer are less work and say less about the variance.
 const CASCADE_GROUPS: usize = 4;
 
-/// Rebuilds the scattered light `component` of `stack`.
+/// Rebuilds the scattered light `component` of `stack`. One that it owns is freed as soon as nothing needs it.
 ///
 /// # Errors
 /// When its noise does not come in buckets, or `monitor` cancels.
 pub fn rebuild(
     stack: &FeatureStack,
-    component: &Component,
+    component: Cow<'_, Component>,
     features: &GuideFeatures,
     settings: &BestSettings,
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
     monitor.begin("spikes", 1);
-    let layers = split::split(component, &stack.samples, &settings.split)?;
+    let layers = split::split(&component, &stack.samples, &settings.split)?;
+    let groups = component.radiance.groups(&stack.samples, CASCADE_GROUPS);
+    drop(component);
     let noise = relative_noise(&layers);
     let samples = share_of_samples(&stack.samples.total, &settings.regression);
     let given = Given { layers: &layers, noise: &noise, samples: samples.as_deref(), features };
@@ -62,21 +66,24 @@ pub fn rebuild(
     let events = spread::spread(&layers.events, &pilot, features, &settings.spread);
     let spread = spread::steadied(events.halves, &pilot, features, &settings.spread, monitor)?;
     pilot.add(&spread);
-    if let Some(groups) = component.radiance.groups(&stack.samples, CASCADE_GROUPS) {
+    if let Some(groups) = groups {
         let parts = Parts::new(groups, &stack.samples);
         let kernel = GuidedKernel::surfaces(features, settings.cascade.feature_scale);
         let brightness = pilot.clone();
         add_significant_residual(&mut pilot, parts, &brightness, &kernel, &settings.cascade, monitor)?;
     }
+    let mut candidates = Vec::new();
+    if settings.regression.passes > 1 {
+        candidates = second_pass::second_pass(&given, &pilot, &first, &settings.regression, monitor)?;
+    }
+    candidates.insert(0, first);
     let ChoiceSettings { feature_scale, brightness, .. } = settings.choice;
     let kernel = GuidedKernel::surfaces_and_brightness(features, &pilot, feature_scale, brightness);
-    let halves = if settings.regression.passes > 1 {
-        let mut candidates = vec![first.clone()];
-        candidates.extend(second_pass::second_pass(&given, &pilot, &first, &settings.regression, monitor)?);
-        monitor.begin("choice", 1);
-        choice::choose(&candidates, &layers, &kernel, &settings.choice)
-    } else {
-        first
+    drop(pilot);
+    monitor.begin("choice", 1);
+    let halves = match <[_; 1]>::try_from(candidates) {
+        Ok([only]) => only,
+        Err(candidates) => choice::choose(&candidates, &layers, &kernel, &settings.choice),
     };
     let mut picture = mean_of(&halves);
     if settings.restore.levels > 0 {

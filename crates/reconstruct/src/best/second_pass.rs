@@ -3,11 +3,11 @@
 use stack::{Cancelled, Image, Monitor};
 
 use super::given::Given;
-use super::halves::luminance;
+use super::halves::{halves_of, luminance};
 use super::settings::FitSettings;
 use crate::box_filter::box_mean;
-use crate::collaborative::{Fitted, Guide, Kernel, Ridge, collaborate, rows_of, units};
-use crate::patch_distance::{Comparison, NoisyPlanes};
+use crate::collaborative::{Fitted, Guides, Kernel, Ridge, collaborate, units};
+use crate::patch_distance::Comparison;
 
 /// Bandwidths of the candidates that are as wide as their window.
 const BANDWIDTHS: [f32; 3] = [0.7, 1.5, 3.0];
@@ -29,25 +29,30 @@ pub fn second_pass(
 ) -> Result<Vec<[Image; 2]>, Cancelled> {
     let Given { layers, noise, samples, features } = *given;
     let size = features.set.size;
-    let rows = rows_of(&features.set, [&layers.halves[0], &layers.halves[1]]);
+    let planes: Vec<&[f32]> = layers.halves.iter().flat_map(|half| half.channels()).map(Vec::as_slice).collect();
     let scale = tolerated(pilot, first, settings.tolerance);
     let importance = importance(pilot, samples, settings.relative);
-    let guide = Guide {
-        planes: NoisyPlanes { size, values: pilot.channels(), variances: &scale },
+    let guides = Guides {
+        size,
+        values: &[pilot.channels()],
+        variances: &scale,
         comparison: Comparison { patch_radius: 1, epsilon: 1e-8, noise_taken_off: 0.0 },
         radius: settings.second_radius,
     };
     let fitted = Fitted {
-        rows: &rows,
+        features: &features.set.planes,
+        responses: &[&planes],
         importance: Some(&importance),
         noise,
         ridge: Ridge { least: settings.ridge, per_noise: settings.ridge_noise },
         stride: settings.stride,
+        covered: settings.covered,
     };
     let mut kernels = BANDWIDTHS.map(|bandwidth| Kernel { bandwidth, sigma: f32::INFINITY }).to_vec();
     kernels.push(Kernel { bandwidth: SMALL_BANDWIDTH, sigma: settings.small_sigma });
-    monitor.begin("second pass", units(size, settings.stride));
-    collaborate(&fitted, &guide, &kernels, monitor)
+    monitor.begin("second pass", units(size, settings.stride, settings.covered));
+    let predicted = collaborate(&fitted, &guides, &kernels, monitor)?;
+    Ok(predicted.into_iter().map(|planes| halves_of(size, planes)).collect())
 }
 
 /// What a residual counts: 1/(m² + 0.001) with the luminance m of the `pilot` when `relative`, times the pixel's share of

@@ -31,6 +31,9 @@ stack::knobs! {
     pub struct FitSettings("fit") {
         /// Distance between the pixels that carry a fit; the pixels between them are predicted by their neighbours'.
         stride: usize = 3, 1..=8;
+        /// A pixel on which the fits around it weigh less than this gets one of its own; 1 is what a fit at the pixel
+        /// itself weighs, 0 leaves all pixels to the lattice.
+        covered: f32 = 1.0, 0.0..=100.0;
         /// Radius of the first pass's window, in pixels.
         first_radius: usize = 9, 1..=32;
         /// Radius of the second pass's window, in pixels.

@@ -4,9 +4,10 @@
 //! truth is the same and a firefly is in one of them.
 
 use rayon::prelude::*;
-use stack::{Component, Image, Noise, SampleCounts, Size};
+use stack::{Component, GroupCounts, Image, Noise, SampleCounts, Size};
 
 use super::settings::SplitSettings;
+use crate::per_pixel;
 use crate::reconstruction::ReconstructError;
 use crate::variance::{known_everywhere, steadied};
 
@@ -72,31 +73,27 @@ pub fn split(
         return Err(ReconstructError::NoBuckets { layer: component.role.layer() });
     };
     let size = component.radiance.mean.size();
+    let (halves, counts) = (counts.grouped(2), counts.grouped(buckets.len()));
     let luminances: Vec<Vec<f32>> = (0..buckets.len())
         .into_par_iter()
-        .map(|bucket| (0..size.pixels()).map(|pixel| luminance(buckets, counts, bucket, pixel)).collect())
+        .map(|bucket| (0..size.pixels()).map(|pixel| luminance(buckets, &counts, bucket, pixel)).collect())
         .collect();
-    let task = SplitTask { size, buckets, luminances: &luminances, counts, settings };
-    let pixels: Vec<SplitPixel> = (0..size.pixels()).into_par_iter().map(|pixel| task.pixel(pixel)).collect();
-    let image = |value: &dyn Fn(&SplitPixel) -> [f32; 3]| {
-        Image::from_channels(size, (0..3).map(|c| pixels.iter().map(|p| value(p)[c]).collect()).collect())
-    };
-    let halves = [0, 1].map(|half| image(&|p| p.halves[half]));
-    let variance = known_everywhere(image(&|p| p.variance), &halves[0]);
+    let task = SplitTask { size, buckets, luminances: &luminances, counts, halves, settings };
+    let mut planes = per_pixel::planes(size.pixels(), |pixel| task.pixel(pixel).numbers()).into_iter();
+    let mut image = || Image::from_channels(size, planes.by_ref().take(3).collect());
+    let halves = [image(), image()];
+    let variance = known_everywhere(image(), &halves[0]);
+    let light = [image(), image()];
     Ok(Layers {
         halves,
         variance: steadied(variance, LEAST_VARIANCE),
-        events: Events {
-            light: [0, 1].map(|half| image(&|p| p.light[half])),
-            energy: pixels.iter().map(|p| p.energy).collect(),
-            squares: pixels.iter().map(|p| p.squares).collect(),
-        },
+        events: Events { light, energy: planes.next().unwrap_or_default(), squares: planes.next().unwrap_or_default() },
     })
 }
 
 /// Luminance of one bucket; −1 where it has no samples.
-fn luminance(buckets: &[Image], counts: &SampleCounts, bucket: usize, pixel: usize) -> f32 {
-    if counts.in_group(pixel, bucket, buckets.len()) > 0 { buckets[bucket].mean_at(pixel).max(0.0) } else { -1.0 }
+fn luminance(buckets: &[Image], counts: &GroupCounts, bucket: usize, pixel: usize) -> f32 {
+    if counts.of(pixel, bucket) > 0 { buckets[bucket].mean_at(pixel).max(0.0) } else { -1.0 }
 }
 
 /// Values kept apart while looking for a high quantile.
@@ -133,17 +130,32 @@ struct SplitPixel {
     squares: f32,
 }
 
+impl SplitPixel {
+    /// Halves, variance, light of either half, energy, squares.
+    fn numbers(&self) -> [f32; 17] {
+        let mut numbers = [0.0; 17];
+        let [a, b] = self.halves;
+        let [cut_a, cut_b] = self.light;
+        for (i, values) in [a, b, self.variance, cut_a, cut_b].into_iter().enumerate() {
+            numbers[3 * i..3 * i + 3].copy_from_slice(&values);
+        }
+        [numbers[15], numbers[16]] = [self.energy, self.squares];
+        numbers
+    }
+}
+
 struct SplitTask<'a> {
     size: Size,
     buckets: &'a [Image],
     luminances: &'a [Vec<f32>],
-    counts: &'a SampleCounts,
+    counts: GroupCounts<'a>,
+    halves: GroupCounts<'a>,
     settings: &'a SplitSettings,
 }
 
 impl SplitTask<'_> {
     fn samples(&self, pixel: usize, bucket: usize) -> f32 {
-        self.counts.in_group(pixel, bucket, self.buckets.len()) as f32
+        self.counts.of(pixel, bucket) as f32
     }
 
     /// Luminance above which a bucket is cut: the larger of a multiple of what the surroundings reach, and the upper
@@ -194,7 +206,7 @@ impl SplitTask<'_> {
 
     /// Variance of a half's mean, from the spread of the low layer's buckets; NaN with fewer than two.
     fn variance(&self, pixel: usize, cap: f32, halves: &[[f32; 3]; 2]) -> [f32; 3] {
-        let [a, b] = [0, 1].map(|half| self.counts.in_group(pixel, half, 2) as f32);
+        let [a, b] = [0, 1].map(|half| self.halves.of(pixel, half) as f32);
         let mut squares = [0.0; 3];
         for bucket in self.filled(pixel) {
             let radiance = self.buckets[bucket].rgb(pixel);

@@ -82,12 +82,25 @@ pub fn steadied(
 }
 
 /// One row per pixel: what separates pixels, scaled so that their likeness is exp(−Σ Δ²).
-fn guides(picture: &Image, features: &GuideFeatures, settings: &SpreadSettings) -> Vec<Vec<f32>> {
+fn guides(picture: &Image, features: &GuideFeatures, settings: &SpreadSettings) -> PixelGuides {
     let scale = std::f32::consts::FRAC_1_SQRT_2 / settings.feature_scale;
     let mut planes = features.scaled_surfaces(scale);
     let brightness = |l: &f32| scale * settings.brightness * (l + 0.01).max(0.005).ln();
     planes.push(luminance(picture).iter().map(brightness).collect());
-    (0..picture.pixels()).map(|pixel| planes.iter().map(|plane| plane[pixel]).collect()).collect()
+    let values = (0..picture.pixels()).flat_map(|pixel| planes.iter().map(move |plane| plane[pixel])).collect();
+    PixelGuides { count: planes.len(), values }
+}
+
+/// Numbers that separate pixels, pixel after pixel.
+struct PixelGuides {
+    count: usize,
+    values: Vec<f32>,
+}
+
+impl PixelGuides {
+    fn of(&self, pixel: usize) -> &[f32] {
+        &self.values[pixel * self.count..][..self.count]
+    }
 }
 
 /// What reaches one pixel.
@@ -100,7 +113,7 @@ struct Share {
 struct SpreadTask<'a> {
     size: Size,
     events: &'a Events,
-    guides: Vec<Vec<f32>>,
+    guides: PixelGuides,
     settings: &'a SpreadSettings,
 }
 
@@ -177,7 +190,7 @@ impl SpreadTask<'_> {
     }
 
     fn likeness(&self, p: usize, q: usize) -> f32 {
-        let squares = self.guides[p].iter().zip(&self.guides[q]).map(|(p, q)| (p - q) * (p - q));
+        let squares = self.guides.of(p).iter().zip(self.guides.of(q)).map(|(p, q)| (p - q) * (p - q));
         exp_of_negative(-squares.sum::<f32>())
     }
 }

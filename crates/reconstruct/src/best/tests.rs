@@ -10,7 +10,7 @@ const SIZE: Size = Size::new(48, 48);
 fn run(stack: &FeatureStack) -> Reconstruction {
     let settings = BestSettings::default();
     let features = guide_features(stack, &settings.features, &Silent).unwrap();
-    let found = rebuild(stack, &stack.components[0], &features, &settings, &Silent).unwrap();
+    let found = rebuild(stack, Cow::Borrowed(&stack.components[0]), &features, &settings, &Silent).unwrap();
     let values = found.picture.channels().iter().flatten().chain(&found.mse);
     assert!(values.into_iter().all(|v| v.is_finite() && *v >= 0.0), "something is negative or not a number");
     found

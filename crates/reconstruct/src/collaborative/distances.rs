@@ -2,22 +2,25 @@
 
 use std::ops::Range;
 
-use super::fitted::Guide;
-use crate::patch_distance::pixel_distances;
+use pulp::Simd;
+
+use super::fitted::Guides;
+use super::pairs::PairImages;
+use super::region::Region;
 use crate::rectangle::Rectangle;
 
 /// Distance of pixels outside the image: no bandwidth makes a weight of it.
 const FAR: f32 = 1e9;
 
 /// Distances of one tile's fits (equation 11), which are few among its pixels: distances of single pixels are summed
-/// over patches where a fit is, and nowhere else.
+/// over patches where a fit is, and nowhere else. A pair of pixels is compared once for both its ends.
 #[derive(Debug)]
 pub struct WindowDistances<'a> {
-    guide: Guide<'a>,
-    /// Distances of single pixels for one offset, row by row.
-    pixels: Vec<f32>,
-    /// Their sums over the height of a patch.
+    guides: Guides<'a>,
+    pairs: PairImages,
+    /// Sums over the height of a patch, with a patch's radius of zeros on either side, and over its width too.
     columns: Vec<f32>,
+    sums: Vec<f32>,
     distances: Vec<f32>,
 }
 
@@ -29,75 +32,119 @@ struct FitRow<'f> {
     fits: &'f [[usize; 2]],
 }
 
+/// Where one image of pairs belongs.
+struct Place {
+    /// The pixels whose pairs there are.
+    valid: Rectangle,
+    /// Number of the picture that was compared, and of the direction.
+    picture: usize,
+    direction: usize,
+    /// What is added to a pixel of `valid` to get the one that carries the fit.
+    shift: [isize; 2],
+    /// Number in the window.
+    number: usize,
+}
+
 impl<'a> WindowDistances<'a> {
-    /// Compares patches of `guide`.
-    pub fn new(guide: &Guide<'a>) -> Self {
-        Self { guide: *guide, pixels: Vec::new(), columns: Vec::new(), distances: Vec::new() }
+    /// Compares patches of `guides`.
+    pub fn new(guides: &Guides<'a>) -> Self {
+        let pairs = PairImages::new(guides);
+        Self { guides: *guides, pairs, columns: Vec::new(), sums: Vec::new(), distances: Vec::new() }
     }
 
-    /// Pixels in a window.
-    pub fn window(&self) -> usize {
-        (2 * self.guide.radius + 1).pow(2)
-    }
-
-    /// The distances of the pixels `fits` of `tile`, given row by row: for each of them those of its window, row by row.
+    /// The distances of the pixels `fits` of `tile`, given row by row: for each picture, for each of them those of its
+    /// window, row by row.
     #[inline(always)]
-    pub fn compute(&mut self, tile: Rectangle, fits: &[[usize; 2]]) -> &[f32] {
-        let size = self.guide.planes.size;
+    pub fn compute<S: Simd>(&mut self, simd: S, tile: Rectangle, fits: &[[usize; 2]]) -> &[f32] {
+        let Guides { size, values, variances, radius, comparison } = self.guides;
+        let planes: Vec<&[f32]> = variances.iter().chain(values.iter().copied().flatten()).map(Vec::as_slice).collect();
+        let region = Region::cut(planes.into_iter(), size, tile, radius + comparison.patch_radius);
         let rows = rows_of(fits);
+        let around = tile.grown(comparison.patch_radius, size);
+        let reached: Vec<bool> = (around.y0..around.y1)
+            .map(|y| rows.iter().any(|row| row.y.abs_diff(y) <= comparison.patch_radius))
+            .collect();
+        let near = |y: usize| reached.get(y.wrapping_sub(around.y0)).is_some_and(|reached| *reached);
         self.distances.clear();
-        self.distances.resize(fits.len() * self.window(), FAR);
-        for (i, offset) in offsets(self.guide.radius).enumerate() {
-            let valid = tile.grown(self.guide.comparison.patch_radius, size).where_inside(offset, size);
-            if valid.width() > 0 && valid.height() > 0 {
-                self.compare_pixels(valid, offset);
-                rows.iter().for_each(|row| self.sum_patches(row, valid, i));
+        self.distances.resize(values.len() * fits.len() * self.guides.window(), FAR);
+        // The second half of the window's offsets; the first is their mirror image.
+        for (i, offset) in offsets(radius).enumerate().skip(self.guides.window() / 2) {
+            let valid = both_ways(around, offset).where_inside(offset, size);
+            if valid.width() == 0 || valid.height() == 0 {
+                continue;
+            }
+            let needed = |y: usize| near(y) || near(y.wrapping_add_signed(offset[1]));
+            self.pairs.compare(simd, &self.guides, &region, valid, offset, needed);
+            for picture in 0..values.len() {
+                let forward = Place { valid, picture, direction: 0, shift: [0, 0], number: i };
+                let back = Place { direction: 1, shift: offset, number: self.guides.window() - 1 - i, ..forward };
+                for row in &rows {
+                    self.sum_patches(row, &forward, fits.len());
+                    if offset != [0, 0] {
+                        self.sum_patches(row, &back, fits.len());
+                    }
+                }
             }
         }
         &self.distances
     }
 
-    /// Distances of the single pixels of `valid` to those `offset` away.
+    /// Means over the patches of all fits of a row, as far as both pixels of a pair lie inside the image.
     #[inline(always)]
-    fn compare_pixels(&mut self, valid: Rectangle, [dx, dy]: [isize; 2]) {
-        let width = self.guide.planes.size.width;
-        self.pixels.resize(valid.width() * valid.height(), 0.0);
-        for (y, out) in (valid.y0..valid.y1).zip(self.pixels.chunks_exact_mut(valid.width())) {
-            let here = y * width + valid.x0;
-            let there = here.wrapping_add_signed(dx + dy * width as isize);
-            pixel_distances(self.guide.planes, here, there, self.guide.comparison, out);
+    fn sum_patches(&mut self, row: &FitRow, place: &Place, fits: usize) {
+        let Place { valid, picture, direction, shift: [dx, dy], number } = *place;
+        let Some(centre) = row.y.checked_add_signed(-dy).filter(|y| (valid.y0..valid.y1).contains(y)) else { return };
+        let rows = self.reach(centre, valid.y0..valid.y1);
+        self.sum_rows(rows.start - valid.y0..rows.end - valid.y0, valid.width(), picture, direction);
+        let scale = 1.0 / (rows.len() * self.guides.variances.len()) as f32;
+        let whole = scale / (2 * self.guides.comparison.patch_radius + 1) as f32;
+        let window = self.guides.window();
+        let first = (picture * fits + row.first) * window + number;
+        for (fit, [x, _]) in row.fits.iter().enumerate() {
+            let Some(x) = x.checked_add_signed(-dx).filter(|x| (valid.x0..valid.x1).contains(x)) else { continue };
+            let columns = self.reach(x, valid.x0..valid.x1).len();
+            let scale = if columns > 2 * self.guides.comparison.patch_radius { whole } else { scale / columns as f32 };
+            self.distances[first + fit * window] = (self.sums[x - valid.x0] * scale).max(0.0);
         }
     }
 
-    /// Means over the patches of all fits of a row, as far as both pixels of a pair lie inside the image; stored as
-    /// number `i` of their windows.
+    /// Sums over patches as wide as `rows` are high, for all `width` columns.
     #[inline(always)]
-    fn sum_patches(&mut self, row: &FitRow, valid: Rectangle, i: usize) {
-        if !(valid.y0..valid.y1).contains(&row.y) {
-            return;
-        }
-        let rows = self.reach(row.y, valid.y0..valid.y1);
+    fn sum_rows(&mut self, rows: Range<usize>, width: usize, picture: usize, direction: usize) {
+        let radius = self.guides.comparison.patch_radius;
+        let (image, pitch) = (&self.pairs.images[picture][direction], self.pairs.pitch);
         self.columns.clear();
-        self.columns.resize(valid.width(), 0.0);
-        for y in rows.clone() {
-            let pixels = &self.pixels[(y - valid.y0) * valid.width()..][..valid.width()];
-            self.columns.iter_mut().zip(pixels).for_each(|(sum, pixel)| *sum += pixel);
+        self.columns.resize(width + 2 * radius, 0.0);
+        let columns = &mut self.columns[radius..radius + width];
+        for row in rows {
+            let pixels = &image[row * pitch..][..width];
+            for i in 0..width {
+                columns[i] += pixels[i];
+            }
         }
-        let (window, channels) = (self.window(), self.guide.planes.values.len());
-        for (fit, [x, _]) in row.fits.iter().enumerate().filter(|(_, [x, _])| (valid.x0..valid.x1).contains(x)) {
-            let columns = self.reach(*x, valid.x0..valid.x1);
-            let pairs = (rows.len() * columns.len() * channels) as f32;
-            let sum: f32 = self.columns[columns.start - valid.x0..columns.end - valid.x0].iter().sum();
-            self.distances[(row.first + fit) * window + i] = (sum / pairs).max(0.0);
+        self.sums.clear();
+        self.sums.extend_from_slice(&self.columns[..width]);
+        for shift in 1..=2 * radius {
+            let (sums, columns) = (&mut self.sums[..width], &self.columns[shift..shift + width]);
+            for i in 0..width {
+                sums[i] += columns[i];
+            }
         }
     }
 
     /// Rows (or columns) of the patch around `centre` that lie in `within`.
     #[inline(always)]
     fn reach(&self, centre: usize, within: Range<usize>) -> Range<usize> {
-        let radius = self.guide.comparison.patch_radius;
+        let radius = self.guides.comparison.patch_radius;
         centre.saturating_sub(radius).max(within.start)..(centre + radius + 1).min(within.end)
     }
+}
+
+/// The pixels of `around`, and those from which the offset leads into it.
+fn both_ways(around: Rectangle, [dx, dy]: [isize; 2]) -> Rectangle {
+    let low = |start: usize, d: isize| start.min(start.saturating_add_signed(-d));
+    let high = |end: usize, d: isize| end.max(end.saturating_add_signed(-d));
+    Rectangle { x0: low(around.x0, dx), y0: low(around.y0, dy), x1: high(around.x1, dx), y1: high(around.y1, dy) }
 }
 
 /// Fits by rows.

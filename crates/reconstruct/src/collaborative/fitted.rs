@@ -1,6 +1,7 @@
 //! What a collaborative fit works on.
 
-use super::row::Row;
+use stack::Size;
+
 use crate::patch_distance::{Comparison, NoisyPlanes};
 
 /// Which pixels resemble each other.
@@ -14,6 +15,33 @@ pub struct Guide<'a> {
     pub radius: usize,
 }
 
+/// Pictures that share their variance, each of which tells which pixels resemble each other.
+#[derive(Clone, Copy, Debug)]
+pub struct Guides<'a> {
+    /// Width and height of every plane.
+    pub size: Size,
+    /// The planes of each picture, one per channel.
+    pub values: &'a [&'a [Vec<f32>]],
+    /// Variance of each value, one plane per channel, finite and ≥ 0.
+    pub variances: &'a [Vec<f32>],
+    /// How patches are compared.
+    pub comparison: Comparison,
+    /// Radius of the window, in pixels.
+    pub radius: usize,
+}
+
+impl Guides<'_> {
+    /// Pixels along a side of a window.
+    pub fn side(&self) -> usize {
+        2 * self.radius + 1
+    }
+
+    /// Pixels in a window.
+    pub fn window(&self) -> usize {
+        self.side().pow(2)
+    }
+}
+
 /// Weight exp(−D/k² − d²/(2σ²)) of a pixel whose patch has distance D, d pixels away.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Kernel {
@@ -23,11 +51,13 @@ pub struct Kernel {
     pub sigma: f32,
 }
 
-/// What is fitted. Everything has the size of the guide.
+/// What is fitted. Every plane has the size of the guides.
 #[derive(Clone, Copy, Debug)]
 pub struct Fitted<'a> {
-    /// Features and responses.
-    pub rows: &'a [Row],
+    /// At most [`super::FEATURES`] planes that explain the responses.
+    pub features: &'a [Vec<f32>],
+    /// For each guide the planes that are fitted with its weights, at most [`super::RESPONSES`] in all.
+    pub responses: &'a [&'a [&'a [f32]]],
     /// Factor on the weight of a residual, > 0; it does not touch the averaging of predictions. `None`: 1.
     pub importance: Option<&'a [f32]>,
     /// Relative variance ν of the responses, for the ridge.
@@ -36,6 +66,8 @@ pub struct Fitted<'a> {
     pub ridge: Ridge,
     /// Distance between the pixels that carry a fit.
     pub stride: usize,
+    /// A pixel on which the fits around it weigh less than this gets one of its own; a fit at the pixel itself weighs 1.
+    pub covered: f32,
 }
 
 /// The ridge λ = `least` + `per_noise` · Σ k² ν/(Σ w)², added to the variance of every feature: the fewer and noisier

@@ -7,7 +7,9 @@
 mod distances;
 mod fitted;
 mod moments;
+mod pairs;
 mod plane;
+mod region;
 mod row;
 mod sums;
 #[cfg(test)]
@@ -18,14 +20,14 @@ mod twin;
 mod window;
 
 use rayon::prelude::*;
-use stack::{Cancelled, Image, Monitor, Size};
+use stack::{Cancelled, Monitor, Size};
 
 use crate::rectangle::{Rectangle, tiles_of};
-pub use distances::{WindowDistances, offsets};
-pub use fitted::{Fitted, Guide, Kernel, Ridge};
-pub use row::{FEATURES, Row, rows_of};
+pub use distances::offsets;
+pub use fitted::{Fitted, Guide, Guides, Kernel, Ridge};
+pub use row::{FEATURES, RESPONSES};
 use sums::Sums;
-use tile::fit_tile;
+use tile::{Candidate, fit_tile};
 
 /// Fits along a side of the tiles that are worked on one by one.
 const FITS: usize = 16;
@@ -33,69 +35,89 @@ const FITS: usize = 16;
 /// Side of the tiles in which single pixels get fits of their own.
 const SMALL_TILE: usize = 16;
 
-/// Tiles whose sums are held before they are added to the picture, in order.
-const WAVE: usize = 64;
+/// Tiles per thread whose sums are held before they are added to the picture, in order.
+const WAVE: usize = 4;
 
-/// A pixel on which fits weigh less than one at the pixel itself would gets a fit of its own.
-const COVERED: f32 = 1.0;
+/// What is predicted with one kernel: for each guide, one plane per response.
+pub type Predicted = Vec<Vec<Vec<f32>>>;
 
-/// Predicts both halves of every pixel once per kernel. Reports one unit per tile.
+/// Predicts all responses at every pixel, once per kernel. Reports one unit per tile.
 ///
 /// # Errors
 /// When `monitor` cancels.
+///
+/// # Panics
+/// When there are more features or responses than fit, or planes differ in size: mistakes in the calling code.
 pub fn collaborate(
     fitted: &Fitted,
-    guide: &Guide,
+    guides: &Guides,
     kernels: &[Kernel],
     monitor: &dyn Monitor,
-) -> Result<Vec<[Image; 2]>, Cancelled> {
-    let size = guide.planes.size;
-    let mut sums: Vec<Sums> = kernels.iter().map(|_| Sums::zeros(size)).collect();
+) -> Result<Vec<Predicted>, Cancelled> {
+    assert!(fitted.features.len() <= FEATURES, "a fit has at most {FEATURES} features");
+    assert!(fitted.responses.iter().map(|r| r.len()).sum::<usize>() <= RESPONSES, "at most {RESPONSES} responses");
+    let of_kernel = |kernel: &Kernel| {
+        let kernel = *kernel;
+        (0..guides.values.len()).map(move |guide| Candidate { guide, kernel })
+    };
+    let candidates: Vec<Candidate> = kernels.iter().flat_map(of_kernel).collect();
+    let work = Sweep { fitted, guides, candidates: &candidates, monitor };
+    let mut sums: Vec<Sums> =
+        candidates.iter().map(|c| Sums::zeros(guides.size, fitted.responses[c.guide].len())).collect();
     let stride = fitted.stride;
     let on_lattice = |x: usize, y: usize| x % stride == stride / 2 && y % stride == stride / 2;
-    let tiles = tiles_of(size, FITS * stride);
-    sweep(fitted, guide, kernels, &mut sums, &tiles, |_, x, y| on_lattice(x, y), monitor)?;
-    if stride > 1 {
-        let bare: Vec<Vec<bool>> = sums.iter().map(|sums| sums.lighter_than(COVERED)).collect();
-        let is_bare = |kernel: usize, x: usize, y: usize| bare[kernel][size.index(x, y)];
-        sweep(fitted, guide, kernels, &mut sums, &tiles_of(size, SMALL_TILE), is_bare, monitor)?;
+    work.run(&mut sums, &tiles_of(guides.size, FITS * stride), |_, x, y| on_lattice(x, y))?;
+    if stride > 1 && fitted.covered > 0.0 {
+        let bare: Vec<Vec<bool>> = sums.iter().map(|sums| sums.lighter_than(fitted.covered)).collect();
+        let is_bare = |candidate: usize, x: usize, y: usize| bare[candidate][guides.size.index(x, y)];
+        work.run(&mut sums, &tiles_of(guides.size, SMALL_TILE), is_bare)?;
     }
-    Ok(sums.into_iter().map(Sums::into_halves).collect())
+    let mut means = sums.into_iter().map(Sums::into_means);
+    Ok(kernels.iter().map(|_| means.by_ref().take(guides.values.len()).collect()).collect())
 }
 
 /// How many units [`collaborate`] reports.
-pub fn units(size: Size, stride: usize) -> u64 {
+pub fn units(size: Size, stride: usize, covered: f32) -> u64 {
     let tiles = |side: usize| tiles_of(size, side).len() as u64;
-    tiles(FITS * stride) + if stride > 1 { tiles(SMALL_TILE) } else { 0 }
+    tiles(FITS * stride) + if stride > 1 && covered > 0.0 { tiles(SMALL_TILE) } else { 0 }
 }
 
-/// Adds the fits at the pixels that each kernel wants.
-fn sweep(
-    fitted: &Fitted,
-    guide: &Guide,
-    kernels: &[Kernel],
-    sums: &mut [Sums],
-    tiles: &[Rectangle],
-    wants: impl Fn(usize, usize, usize) -> bool + Sync,
-    monitor: &dyn Monitor,
-) -> Result<(), Cancelled> {
-    for wave in tiles.chunks(WAVE) {
-        let parts: Vec<Vec<(Rectangle, Sums)>> = wave
-            .par_iter()
-            .map(|tile| {
-                if monitor.cancelled() {
-                    return Err(Cancelled);
+/// Everything a sweep over tiles needs.
+struct Sweep<'a> {
+    fitted: &'a Fitted<'a>,
+    guides: &'a Guides<'a>,
+    candidates: &'a [Candidate],
+    monitor: &'a dyn Monitor,
+}
+
+impl Sweep<'_> {
+    /// Adds the fits at the pixels that each candidate wants.
+    fn run(
+        &self,
+        sums: &mut [Sums],
+        tiles: &[Rectangle],
+        wants: impl Fn(usize, usize, usize) -> bool + Sync,
+    ) -> Result<(), Cancelled> {
+        for wave in tiles.chunks(WAVE * rayon::current_num_threads()) {
+            let parts: Vec<Vec<Sums>> =
+                wave.par_iter().map(|tile| self.tile(*tile, &wants)).collect::<Result<_, _>>()?;
+            sums.par_iter_mut().enumerate().for_each(|(candidate, sums)| {
+                for (tile, part) in wave.iter().zip(&parts) {
+                    part.get(candidate).into_iter().for_each(|part| sums.add(*tile, self.guides.radius, part));
                 }
-                let parts = fit_tile(fitted, guide, kernels, *tile, &wants);
-                monitor.advance(1);
-                Ok(parts)
-            })
-            .collect::<Result<_, _>>()?;
-        sums.par_iter_mut().enumerate().for_each(|(kernel, sums)| {
-            parts.iter().filter_map(|part| part.get(kernel)).for_each(|(place, part)| sums.add(*place, part));
-        });
+            });
+        }
+        Ok(())
     }
-    Ok(())
+
+    fn tile(&self, tile: Rectangle, wants: impl Fn(usize, usize, usize) -> bool) -> Result<Vec<Sums>, Cancelled> {
+        if self.monitor.cancelled() {
+            return Err(Cancelled);
+        }
+        let sums = fit_tile(self.fitted, self.guides, self.candidates, tile, wants);
+        self.monitor.advance(1);
+        Ok(sums)
+    }
 }
 
 #[cfg(test)]

@@ -3,20 +3,25 @@
 use pulp::Simd;
 
 use super::moments::Moments;
-use super::row::{FEATURES, RESPONSES, Row};
+use super::row::{FEATURES, RESPONSES};
+use crate::eight::{Eight, LANES};
 
 /// Responses, padded to what processors take at once.
 pub const PADDED: usize = 8;
 
-/// Responses predicted at a pixel; the places past the responses are free.
-pub type Prediction = [f32; PADDED];
+/// A number for each response; the places past the responses are free.
+type Padded = [f32; PADDED];
+
+/// Responses that are predicted together, and pixels (times eight): as many as the processor has registers for.
+const TOGETHER: usize = 3;
+const BATCHES: usize = 4;
 
 /// Responses as a linear function of features relative to the centre of the fit.
 #[derive(Clone, Copy, Debug)]
 pub struct Plane {
-    /// Prediction at the centre. The first free place holds 1, so that predictions sum up their own weights.
-    intercept: Prediction,
-    slopes: [Prediction; FEATURES],
+    /// Prediction at the centre.
+    intercept: Padded,
+    slopes: [Padded; FEATURES],
 }
 
 impl Plane {
@@ -34,30 +39,69 @@ impl Plane {
         decompose(&mut matrix);
         solve(simd, &matrix, &mut slopes);
         let mut intercept = [0.0; PADDED];
-        for c in 0..RESPONSES {
+        for c in 0..centre.len() {
             intercept[c] = centre[c] + moments.mean[FEATURES + c];
         }
         for j in 0..FEATURES {
             add_multiple(simd, &mut intercept, -moments.mean[j], &slopes[j]);
         }
-        intercept[RESPONSES] = 1.0;
         Self { intercept, slopes }
     }
 
-    /// Adds to `sum` the responses at a pixel whose features, relative to the centre, are those of `row`, times
-    /// `weight`; to the first free place it adds `weight`.
+    /// The responses at pixels whose features, relative to the centre, are `features`, times `weights`, one list after
+    /// the other in `out`. Lists are equally long, a multiple of [`LANES`].
     #[inline(always)]
-    pub fn add_prediction<S: Simd>(&self, simd: S, row: &Row, weight: f32, sum: &mut Prediction) {
-        // Wider processors would silently predict nothing.
-        const { assert!(PADDED.is_multiple_of(S::F32_LANES)) };
-        for part in 0..PADDED / S::F32_LANES {
-            let mut value = S::as_simd_f32s(&self.intercept).0[part];
-            for j in 0..FEATURES {
-                value = simd.mul_add_f32s(simd.splat_f32s(row[j]), S::as_simd_f32s(&self.slopes[j]).0[part], value);
+    pub fn predict<S: Simd>(&self, simd: S, features: &[&[f32]], weights: &[f32], responses: usize, out: &mut [f32]) {
+        let length = weights.len();
+        for first in (0..responses).step_by(TOGETHER) {
+            let out = &mut out[first * length..][..TOGETHER * length];
+            let mut at = 0;
+            while at < length {
+                at += match (length - at) / LANES {
+                    1 => self.predict_batches::<S, 1>(simd, features, weights, first, at, out),
+                    2 => self.predict_batches::<S, 2>(simd, features, weights, first, at, out),
+                    3 => self.predict_batches::<S, 3>(simd, features, weights, first, at, out),
+                    _ => self.predict_batches::<S, BATCHES>(simd, features, weights, first, at, out),
+                };
             }
-            let sum = &mut S::as_mut_simd_f32s(sum).0[part];
-            *sum = simd.mul_add_f32s(simd.splat_f32s(weight), value, *sum);
         }
+    }
+
+    /// Some responses of `B` times eight pixels, from number `at` on; how many pixels those are.
+    #[inline(always)]
+    fn predict_batches<S: Simd, const B: usize>(
+        &self,
+        simd: S,
+        features: &[&[f32]],
+        weights: &[f32],
+        first: usize,
+        at: usize,
+        out: &mut [f32],
+    ) -> usize {
+        let mut sums = [[Eight::splat(simd, 0.0); B]; TOGETHER];
+        for c in 0..TOGETHER {
+            sums[c] = [Eight::splat(simd, self.intercept[first + c]); B];
+        }
+        for j in 0..FEATURES {
+            let feature = &features[j][at..at + B * LANES];
+            let mut values = [Eight::splat(simd, 0.0); B];
+            for b in 0..B {
+                values[b] = Eight::load(simd, &feature[b * LANES..]);
+            }
+            for c in 0..TOGETHER {
+                let slope = Eight::splat(simd, self.slopes[j][first + c]);
+                for b in 0..B {
+                    sums[c][b] = slope.mul_add(simd, values[b], sums[c][b]);
+                }
+            }
+        }
+        for b in 0..B {
+            let weight = Eight::load(simd, &weights[at + b * LANES..]);
+            for c in 0..TOGETHER {
+                weight.mul(simd, sums[c][b]).store(&mut out[c * weights.len() + at + b * LANES..]);
+            }
+        }
+        B * LANES
     }
 }
 
@@ -77,7 +121,7 @@ fn decompose(matrix: &mut [[f32; FEATURES]; FEATURES]) {
 
 /// Solves L Lᵀ x = b for all responses side by side.
 #[inline(always)]
-fn solve<S: Simd>(simd: S, factor: &[[f32; FEATURES]; FEATURES], b: &mut [Prediction; FEATURES]) {
+fn solve<S: Simd>(simd: S, factor: &[[f32; FEATURES]; FEATURES], b: &mut [Padded; FEATURES]) {
     for j in 0..FEATURES {
         let (solved, rest) = b.split_at_mut(j);
         for (m, row) in solved.iter().enumerate() {
@@ -96,7 +140,7 @@ fn solve<S: Simd>(simd: S, factor: &[[f32; FEATURES]; FEATURES], b: &mut [Predic
 
 /// `sum` + `factor` · `values`.
 #[inline(always)]
-fn add_multiple<S: Simd>(simd: S, sum: &mut Prediction, factor: f32, values: &Prediction) {
+fn add_multiple<S: Simd>(simd: S, sum: &mut Padded, factor: f32, values: &Padded) {
     let sums = S::as_mut_simd_f32s(sum).0;
     for (sum, value) in sums.iter_mut().zip(S::as_simd_f32s(values).0) {
         *sum = simd.mul_add_f32s(simd.splat_f32s(factor), *value, *sum);

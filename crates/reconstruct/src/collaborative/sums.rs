@@ -1,49 +1,62 @@
 //! Predictions added up by weight.
 
-use stack::{Image, Size};
+use stack::Size;
 
-use super::plane::Prediction;
-use super::row::RESPONSES;
 use crate::rectangle::Rectangle;
 
-/// Per pixel, responses and weights added up.
+/// Per pixel, responses and weights added up: one plane for each response, then one of the weights.
 #[derive(Clone, Debug)]
 pub struct Sums {
     size: Size,
-    values: Vec<Prediction>,
+    planes: Vec<Vec<f32>>,
 }
 
 impl Sums {
     /// Nothing yet.
-    pub fn zeros(size: Size) -> Self {
-        Self { size, values: vec![[0.0; _]; size.pixels()] }
+    pub fn zeros(size: Size, responses: usize) -> Self {
+        Self { size, planes: vec![vec![0.0; size.pixels()]; responses + 1] }
     }
 
-    /// The sums of pixel `index`.
+    /// Adds the `predictions` of a window of `side` × `side` pixels, list after list and multiplied by `weights`
+    /// already, whose first pixel is number `first`.
     #[inline(always)]
-    pub fn at_mut(&mut self, index: usize) -> &mut Prediction {
-        &mut self.values[index]
+    pub fn add_window(&mut self, first: usize, side: usize, predictions: &[f32], weights: &[f32]) {
+        let (width, last) = (self.size.width, self.planes.len() - 1);
+        for (number, plane) in self.planes.iter_mut().enumerate() {
+            let list = if number == last { weights } else { &predictions[number * weights.len()..][..weights.len()] };
+            for row in 0..side {
+                let (to, from) = (&mut plane[first + row * width..][..side], &list[row * side..][..side]);
+                for i in 0..side {
+                    to[i] += from[i];
+                }
+            }
+        }
     }
 
-    /// Adds `part`, which lies at `place`.
-    pub fn add(&mut self, place: Rectangle, part: &Self) {
-        for (y, row) in (place.y0..place.y1).zip(part.values.chunks_exact(place.width())) {
-            let start = self.size.index(place.x0, y);
-            for (to, from) in self.values[start..start + row.len()].iter_mut().zip(row) {
-                to.iter_mut().zip(from).for_each(|(to, from)| *to += from);
+    /// Adds `part`, the sums of `tile` and a margin around it, as far as they lie in this picture.
+    pub fn add(&mut self, tile: Rectangle, margin: usize, part: &Self) {
+        let place = tile.grown(margin, self.size);
+        for (plane, part_plane) in self.planes.iter_mut().zip(&part.planes) {
+            for y in place.y0..place.y1 {
+                let from = (y + margin - tile.y0) * part.size.width + place.x0 + margin - tile.x0;
+                let to = &mut plane[self.size.index(place.x0, y)..][..place.width()];
+                to.iter_mut().zip(&part_plane[from..]).for_each(|(to, from)| *to += from);
             }
         }
     }
 
     /// Which pixels have got less weight than `least`.
     pub fn lighter_than(&self, least: f32) -> Vec<bool> {
-        self.values.iter().map(|sum| sum[RESPONSES] < least).collect()
+        self.planes[self.planes.len() - 1].iter().map(|weight| *weight < least).collect()
     }
 
-    /// The weighted means: both halves.
-    pub fn into_halves(self) -> [Image; 2] {
-        let plane = |c: usize| self.values.iter().map(|sum| sum[c] / sum[RESPONSES].max(1e-20)).collect();
-        [0, 3].map(|first| Image::from_channels(self.size, (first..first + 3).map(plane).collect()))
+    /// The weighted means, one plane per response.
+    pub fn into_means(mut self) -> Vec<Vec<f32>> {
+        let weights = self.planes.pop().unwrap_or_default();
+        for plane in &mut self.planes {
+            plane.iter_mut().zip(&weights).for_each(|(sum, weight)| *sum /= weight.max(1e-20));
+        }
+        self.planes
     }
 }
 

@@ -1,11 +1,11 @@
 //! Small problems for tests.
 
-use stack::{Image, Size};
+use stack::Size;
 
 use super::row::{FEATURES, RESPONSES, Row, WIDTH};
-use super::{Fitted, Guide, Ridge};
+use super::{Fitted, Guides, Predicted, Ridge};
+use crate::patch_distance::Comparison;
 use crate::patch_distance::tests::random_planes;
-use crate::patch_distance::{Comparison, NoisyPlanes};
 use crate::test_noise::TestNoise;
 
 /// Everything a fit rests on.
@@ -56,26 +56,59 @@ impl Problem {
         self.rows[index][FEATURES..].fill(value);
     }
 
-    pub fn fitted(&self, least: f32, stride: usize) -> Fitted<'_> {
-        let ridge = Ridge { least, per_noise: 0.0 };
-        Fitted { rows: &self.rows, importance: None, noise: &self.noise, ridge, stride }
+    /// The rows as planes: features, then responses.
+    pub fn planes(&self) -> Planes {
+        let plane = |place: usize| self.rows.iter().map(|row| row[place]).collect();
+        Planes { features: (0..FEATURES).map(plane).collect(), responses: (FEATURES..WIDTH).map(plane).collect() }
     }
 
-    pub fn guide(&self, radius: usize) -> Guide<'_> {
-        Guide {
-            planes: NoisyPlanes { size: self.size, values: &self.values, variances: &self.variances },
+    /// A fit of all responses with the weights of one guide.
+    pub fn fitted<'a>(
+        &'a self,
+        planes: &'a Planes,
+        responses: &'a [&'a [&'a [f32]]],
+        least: f32,
+        stride: usize,
+    ) -> Fitted<'a> {
+        let ridge = Ridge { least, per_noise: 0.0 };
+        let (features, noise) = (&planes.features[..], &self.noise[..]);
+        Fitted { features, responses, importance: None, noise, ridge, stride, covered: 1.0 }
+    }
+
+    /// The planes that are compared.
+    pub fn values(&self) -> &[Vec<f32>] {
+        &self.values
+    }
+
+    pub fn guides<'a>(&'a self, values: &'a [&'a [Vec<f32>]], radius: usize) -> Guides<'a> {
+        Guides {
+            size: self.size,
+            values,
+            variances: &self.variances,
             comparison: Comparison { patch_radius: 1, epsilon: 1e-6, noise_taken_off: 1.0 },
             radius,
         }
     }
 
-    /// The largest difference between `halves` and the responses of the rows.
-    pub fn largest_difference(&self, halves: &[Image; 2]) -> f32 {
-        let predicted = halves.iter().flat_map(|half| half.channels());
+    /// The largest difference between what is predicted and the responses of the rows.
+    pub fn largest_difference(&self, predicted: &Predicted) -> f32 {
         let of_plane = |(place, plane): (usize, &Vec<f32>)| {
             plane.iter().zip(&self.rows).map(|(value, row)| (value - row[place]).abs()).fold(0.0, nan_or_larger)
         };
-        (FEATURES..WIDTH).zip(predicted).map(of_plane).fold(0.0, nan_or_larger)
+        (FEATURES..WIDTH).zip(predicted.iter().flatten()).map(of_plane).fold(0.0, nan_or_larger)
+    }
+}
+
+/// The planes of a [`Problem`].
+pub struct Planes {
+    features: Vec<Vec<f32>>,
+    responses: Vec<Vec<f32>>,
+}
+
+impl Planes {
+    /// All responses.
+    pub fn responses(&self) -> Vec<&[f32]> {
+        self.responses.iter().map(Vec::as_slice).collect()
     }
 }
 

@@ -4,7 +4,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::row::{FEATURES, RESPONSES, Row};
-use super::{Fitted, Guide, Kernel, offsets};
+use super::{Fitted, Guides, Kernel, offsets};
+use crate::patch_distance::NoisyPlanes;
 use crate::patch_distance::tests::distance_twin;
 
 /// Coefficients of the ridge regression that minimises Σ w (y − a − b·x)²/Σ w + λ |b|²: intercepts a in the first row,
@@ -35,9 +36,9 @@ pub fn predicted(coefficients: &DMatrix<f64>, row: &Row) -> DVector<f64> {
     coefficients.tr_mul(&design)
 }
 
-/// What [`super::collaborate`] computes for one kernel and a stride of one: all responses of every pixel.
-pub fn collaborate_twin(fitted: &Fitted, guide: &Guide, kernel: &Kernel) -> Vec<Vec<f64>> {
-    let size = guide.planes.size;
+/// What [`super::collaborate`] computes for the first guide, one kernel and a stride of one: all responses of every pixel.
+pub fn collaborate_twin(fitted: &Fitted, rows: &[Row], guide: &Guides, kernel: &Kernel) -> Vec<Vec<f64>> {
+    let size = guide.size;
     let mut sums = vec![DVector::zeros(RESPONSES); size.pixels()];
     let mut totals = vec![0.0; size.pixels()];
     for centre in 0..size.pixels() {
@@ -47,7 +48,7 @@ pub fn collaborate_twin(fitted: &Fitted, guide: &Guide, kernel: &Kernel) -> Vec<
         let noise: f64 = window.iter().map(|(pixel, kernel)| kernel * kernel * f64::from(fitted.noise[*pixel])).sum();
         let ridge = f64::from(fitted.ridge.least)
             + f64::from(fitted.ridge.per_noise) * noise / weights.iter().sum::<f64>().powi(2);
-        let rows: Vec<Row> = window.iter().map(|(pixel, _)| fitted.rows[*pixel]).collect();
+        let rows: Vec<Row> = window.iter().map(|(pixel, _)| rows[*pixel]).collect();
         let fit = ridge_fit(&rows, &weights, ridge);
         for ((pixel, kernel), row) in window.iter().zip(&rows) {
             sums[*pixel] += *kernel * predicted(&fit, row);
@@ -58,15 +59,16 @@ pub fn collaborate_twin(fitted: &Fitted, guide: &Guide, kernel: &Kernel) -> Vec<
 }
 
 /// Pixels around `centre` and their weights, without those that do not count.
-fn window(guide: &Guide, kernel: &Kernel, centre: usize) -> Vec<(usize, f64)> {
-    let (width, height) = (guide.planes.size.width as isize, guide.planes.size.height as isize);
+fn window(guide: &Guides, kernel: &Kernel, centre: usize) -> Vec<(usize, f64)> {
+    let (width, height) = (guide.size.width as isize, guide.size.height as isize);
+    let planes = NoisyPlanes { size: guide.size, values: guide.values[0], variances: guide.variances };
     let c = [centre as isize % width, centre as isize / width];
     offsets(guide.radius)
         .map(|[dx, dy]| ([c[0] + dx, c[1] + dy], (dx * dx + dy * dy) as f64))
         .filter(|([x, y], _)| (0..width).contains(x) && (0..height).contains(y))
         .map(|(q, squared)| {
             let [bandwidth, sigma] = [kernel.bandwidth, kernel.sigma].map(f64::from);
-            let distance = distance_twin(guide.planes, c, q, guide.comparison);
+            let distance = distance_twin(planes, c, q, guide.comparison);
             let weight = (-distance / (bandwidth * bandwidth) - squared / (2.0 * sigma * sigma)).exp();
             ((q[0] + q[1] * width) as usize, weight)
         })

@@ -1,60 +1,110 @@
-//! The pixels of a window that have a say in its fit.
+//! The pixels of a window, and what they weigh in its fit.
 
-use pulp::Simd;
+use super::region::Region;
+use super::row::{FEATURES, WIDTH};
+use crate::eight::{LANES, sum_of_lanes};
+use crate::exp::exp_of_negative;
 
-use super::row::{Row, WIDTH};
+/// Pixels of less weight have no say in a fit, nor it in them.
+const NEGLIGIBLE: f32 = 1e-4;
 
-/// The significant pixels of one window, a list per property. Buffers are kept between fits.
-#[derive(Debug, Default)]
-pub struct Neighbours {
-    /// Their index in the picture.
-    pub pixels: Vec<u32>,
-    /// Their index in the sums of the tile.
-    pub places: Vec<u32>,
-    /// Weight with which each takes the fit's prediction.
-    pub kernel: Vec<f32>,
-    /// Weight of each one's residual in the fit.
-    pub weights: Vec<f32>,
-    /// Their rows relative to the centre's.
-    pub rows: Vec<Row>,
+/// All pixels of one window, row by row, one list per property; lists are padded with zeros to a multiple of [`LANES`].
+/// Buffers are kept between fits.
+#[derive(Debug)]
+pub struct Window {
+    side: usize,
+    length: usize,
+    /// Features and responses relative to the centre's, list after list.
+    columns: Vec<f32>,
+    noise: Vec<f32>,
+    importance: Vec<f32>,
 }
 
-impl Neighbours {
-    /// Forgets all of them.
-    pub fn clear(&mut self) {
-        self.pixels.clear();
-        self.places.clear();
-        self.kernel.clear();
+impl Window {
+    /// For windows of `side` × `side` pixels.
+    pub fn new(side: usize) -> Self {
+        let length = (side * side).next_multiple_of(LANES);
+        let columns = vec![0.0; WIDTH * length];
+        Self { side, length, columns, noise: vec![0.0; length], importance: Vec::new() }
     }
 
-    /// Takes in the pixel `pixel`, which lies at `place` of the tile's sums.
-    #[inline(always)]
-    pub fn push(&mut self, pixel: usize, place: usize, kernel: f32) {
-        self.pixels.push(pixel as u32);
-        self.places.push(place as u32);
-        self.kernel.push(kernel);
+    /// Numbers in a list.
+    pub fn length(&self) -> usize {
+        self.length
     }
 
-    /// Fetches rows and weights of all pixels, relative to those of the pixel `centre`.
+    /// Features (all that there can be, then all responses) of every pixel.
     #[inline(always)]
-    pub fn fetch<S: Simd>(&mut self, simd: S, rows: &[Row], importance: Option<&[f32]>, centre: usize) {
-        self.rows.resize(self.pixels.len(), [0.0; WIDTH]);
-        let own = S::as_simd_f32s(&rows[centre]).0;
-        for (row, pixel) in self.rows.iter_mut().zip(&self.pixels) {
-            let from = S::as_simd_f32s(&rows[*pixel as usize]).0;
-            for (to, (from, own)) in S::as_mut_simd_f32s(row).0.iter_mut().zip(from.iter().zip(own)) {
-                *to = simd.sub_f32s(*from, *own);
+    pub fn column(&self, number: usize) -> &[f32] {
+        &self.columns[number * self.length..][..self.length]
+    }
+
+    /// Fetches the window around the pixel `centre` from a region whose planes are `features` features, then
+    /// `responses` responses, the noise and, when there are more planes, the importance.
+    #[inline(always)]
+    pub fn fetch(&mut self, region: &Region, centre: [usize; 2], features: usize, responses: usize, weighed: bool) {
+        let Self { side, length, .. } = *self;
+        for plane in 0..features + responses {
+            let column = if plane < features { plane } else { FEATURES + plane - features };
+            let own = region.from(region.index(plane, centre[0], centre[1]))[0];
+            let to = &mut self.columns[column * length..][..length];
+            copy_rows(region, region.window_index(plane, centre), side, to, |value| value - own);
+        }
+        let plane = features + responses;
+        copy_rows(region, region.window_index(plane, centre), side, &mut self.noise, |value| value);
+        if weighed {
+            self.importance.resize(length, 0.0);
+            let own = 1.0 / region.from(region.index(plane + 1, centre[0], centre[1]))[0];
+            let start = region.window_index(plane + 1, centre);
+            copy_rows(region, start, side, &mut self.importance, |value| value * own);
+        }
+    }
+
+    /// Weights of residuals, from those of predictions, `kernel`.
+    #[inline(always)]
+    pub fn weigh_residuals(&self, kernel: &[f32], weights: &mut [f32]) {
+        if self.importance.is_empty() {
+            weights.copy_from_slice(kernel);
+            return;
+        }
+        let (kernel, importance) = (&kernel[..weights.len()], &self.importance[..weights.len()]);
+        for i in 0..weights.len() {
+            weights[i] = kernel[i] * importance[i];
+        }
+    }
+
+    /// Σ k² ν over the window, k of `kernel`.
+    #[inline(always)]
+    pub fn noise(&self, kernel: &[f32]) -> f32 {
+        let mut sums = [0.0; LANES];
+        for (kernel, noise) in kernel.chunks_exact(LANES).zip(self.noise.chunks_exact(LANES)) {
+            for i in 0..LANES {
+                sums[i] += kernel[i] * kernel[i] * noise[i];
             }
         }
-        self.weights.clear();
-        match importance {
-            None => self.weights.extend_from_slice(&self.kernel),
-            Some(importance) => {
-                let own = 1.0 / importance[centre];
-                let weight = |(kernel, pixel): (&f32, &u32)| kernel * importance[*pixel as usize] * own;
-                self.weights.extend(self.kernel.iter().zip(&self.pixels).map(weight));
-            }
+        sum_of_lanes(&sums)
+    }
+}
+
+#[inline(always)]
+fn copy_rows(region: &Region, start: usize, side: usize, to: &mut [f32], value: impl Fn(f32) -> f32) {
+    for row in 0..side {
+        let from = &region.from(start + row * region.width())[..side];
+        let to = &mut to[row * side..][..side];
+        for i in 0..side {
+            to[i] = value(from[i]);
         }
+    }
+}
+
+/// Weights exp(−D `scale` − `falloff`) of the patches' `distances` D; the small ones are zero.
+#[inline(always)]
+pub fn weigh(distances: &[f32], scale: f32, falloff: &[f32], weights: &mut [f32]) {
+    let count = distances.len();
+    let (falloff, weights) = (&falloff[..count], &mut weights[..count]);
+    for i in 0..count {
+        let weight = exp_of_negative(-(distances[i] * scale + falloff[i]));
+        weights[i] = if weight >= NEGLIGIBLE { weight } else { 0.0 };
     }
 }
 

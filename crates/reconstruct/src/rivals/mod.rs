@@ -6,6 +6,7 @@
 
 pub mod apr;
 mod guides;
+pub mod lbf;
 pub mod nfor;
 pub mod wlr;
 
@@ -20,14 +21,16 @@ use crate::prefilter::prefilter;
 use crate::reconstruction::{ReconstructError, Reconstruction};
 
 /// A published method.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Rival {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rival<'a> {
     /// Weighted local regression.
     Wlr(wlr::Variant),
     /// Nonlinearly weighted first-order regression.
     Nfor,
     /// Adaptive polynomial rendering.
     Apr,
+    /// The learning-based filter.
+    Lbf(lbf::Tuning<'a>),
 }
 
 /// Rebuilds `stack` by the method `rival`.
@@ -43,7 +46,7 @@ pub fn reconstruct(
     // A collaborative fit follows lamps by itself; elsewhere their bright edges would spoil the fits around them.
     let components = match rival {
         Rival::Nfor => Cow::Borrowed(stack.components.as_slice()),
-        Rival::Wlr(_) | Rival::Apr => with_emission_apart(stack, monitor),
+        Rival::Wlr(_) | Rival::Apr | Rival::Lbf(_) => with_emission_apart(stack, monitor),
     };
     sum_of_components(stack.size(), &components, |component| match component.role {
         ComponentRole::Scattered => scattered(stack, component, rival, settings, monitor),
@@ -67,5 +70,6 @@ fn scattered(
         Rival::Wlr(variant) => wlr::rebuild(stack, radiance, &variance, variant, settings, monitor),
         Rival::Nfor => nfor::rebuild(stack, component, settings, monitor),
         Rival::Apr => apr::rebuild(stack, radiance, &variance, settings, monitor),
+        Rival::Lbf(tuning) => lbf::rebuild(stack, radiance, &variance, tuning, settings, monitor),
     }
 }

@@ -8,15 +8,12 @@ use stack::FeatureStack;
 use crate::args::ExperimentArgs;
 use crate::experiment::case::Case;
 use crate::experiment::reference::reference_stacks;
-use crate::experiment::scenes::Stage;
+use crate::experiment::scenes::{OWN_SCENES, Stage};
 use crate::exposure;
 use crate::output::write_png;
 use crate::progress::Progress;
 use crate::render::Budget;
 use crate::settings::Settings;
-
-/// Scenes that are taken when none is given.
-const SCENES: [&str; 3] = ["scenes/study.toml", "scenes/halves.toml", "scenes/defocus.toml"];
 
 /// A stack with its references, and the scene it was rendered from when it was rendered here.
 pub struct Subject {
@@ -36,7 +33,7 @@ impl Subject {
     /// # Errors
     /// When one cannot be opened, or its references can neither be read nor traced.
     pub fn open_all(args: &ExperimentArgs, progress: &Progress) -> Result<Vec<Self>> {
-        let own = SCENES.map(PathBuf::from);
+        let own = OWN_SCENES.map(PathBuf::from);
         let inputs = if args.inputs.is_empty() { &own[..] } else { &args.inputs };
         inputs.iter().map(|input| Self::open(input, args, progress)).collect()
     }
@@ -60,7 +57,7 @@ impl Subject {
         let spp = args.spp.iter().copied().max().unwrap_or(1);
         let stack = stage.render(&Settings::default(), &Budget::uniform(spp), false, progress)?.stack;
         let references = [converged[0].beauty(), converged[1].beauty()];
-        let case = Case { name: stage.name.clone(), stack, references, oidn: None };
+        let case = Case { name: stage.name.clone(), stack, references, others: Vec::new() };
         let [converged, _] = converged;
         Ok(Self { stage: Some(stage), converged: Some(converged), ..Self::of(case) })
     }

@@ -13,20 +13,37 @@ fn pixels_of(tile: Rectangle, step: usize) -> Vec<[usize; 2]> {
 }
 
 /// Checks all windows of `fits`: inside the image against the formula, outside that they are far.
-fn check(guide: &Guide, tile: Rectangle, fits: &[[usize; 2]]) {
-    let mut windows = WindowDistances::new(guide);
-    let window = windows.window();
-    let distances = windows.compute(tile, fits);
-    assert_eq!(distances.len(), fits.len() * window);
-    for (fit, distances) in fits.iter().zip(distances.chunks_exact(window)) {
+fn check(guides: &Guides, tile: Rectangle, fits: &[[usize; 2]]) {
+    let mut windows = WindowDistances::new(guides);
+    let distances = windows.compute(pulp::Scalar, tile, fits);
+    assert_eq!(distances.len(), guides.values.len() * fits.len() * guides.window());
+    let of_window = guides.values.iter().flat_map(|values| fits.iter().map(move |fit| (*values, *fit)));
+    for ((values, fit), distances) in of_window.zip(distances.chunks_exact(guides.window())) {
+        let planes = NoisyPlanes { size: SIZE, values, variances: guides.variances };
         let c = fit.map(|v| v as isize);
-        for (distance, offset) in distances.iter().zip(offsets(guide.radius)) {
+        for (distance, offset) in distances.iter().zip(offsets(guides.radius)) {
             let q = [c[0] + offset[0], c[1] + offset[1]];
             let inside = (0..SIZE.width as isize).contains(&q[0]) && (0..SIZE.height as isize).contains(&q[1]);
-            let expected = if inside { distance_twin(guide.planes, c, q, guide.comparison) } else { f64::from(FAR) };
+            let expected = if inside { distance_twin(planes, c, q, guides.comparison) } else { f64::from(FAR) };
             let difference = (f64::from(*distance) - expected).abs();
             assert!(difference < 2e-5 * (1.0 + expected), "{c:?} {offset:?}: {distance} {expected}");
         }
+    }
+}
+
+fn guides<'a>(
+    values: &'a [&'a [Vec<f32>]],
+    variances: &'a [Vec<f32>],
+    radius: usize,
+    patch_radius: usize,
+    noise_taken_off: f32,
+) -> Guides<'a> {
+    Guides {
+        size: SIZE,
+        values,
+        variances,
+        comparison: Comparison { patch_radius, epsilon: 1e-4, noise_taken_off },
+        radius,
     }
 }
 
@@ -38,10 +55,12 @@ fn agree_with_the_formula_up_to_the_borders() {
         [(3, 1, 3, 1.0), (3, 2, 4, 0.0), (1, 3, 2, 1.0), (2, 0, 5, 0.0)]
     {
         let [values, variances] = random_planes(SIZE, channels, 40 + channels as u64);
-        let planes = NoisyPlanes { size: SIZE, values: &values, variances: &variances };
-        let guide = Guide { planes, comparison: Comparison { patch_radius, epsilon: 1e-4, noise_taken_off }, radius };
-        for (tile, step) in [(whole, 1), (whole, 3), (corner, 1), (corner, 2)] {
-            check(&guide, tile, &pixels_of(tile, step));
+        let [others, _] = random_planes(SIZE, channels, 50);
+        for values in [&[&values[..]][..], &[&values[..], &others[..]][..]] {
+            let guides = guides(values, &variances, radius, patch_radius, noise_taken_off);
+            for (tile, step) in [(whole, 1), (whole, 3), (corner, 1), (corner, 2)] {
+                check(&guides, tile, &pixels_of(tile, step));
+            }
         }
     }
 }
@@ -49,21 +68,19 @@ fn agree_with_the_formula_up_to_the_borders() {
 #[test]
 fn any_choice_of_pixels_gets_its_own_windows() {
     let [values, variances] = random_planes(SIZE, 3, 44);
-    let planes = NoisyPlanes { size: SIZE, values: &values, variances: &variances };
-    let comparison = Comparison { patch_radius: 2, epsilon: 1e-4, noise_taken_off: 1.0 };
-    let guide = Guide { planes, comparison, radius: 3 };
+    let values = [&values[..]];
+    let guides = guides(&values, &variances, 3, 2, 1.0);
     let tile = Rectangle { x0: 4, y0: 3, x1: 17, y1: 12 };
-    check(&guide, tile, &[[5, 3], [16, 3], [4, 7], [16, 11]]);
-    check(&guide, tile, &[]);
+    check(&guides, tile, &[[5, 3], [16, 3], [4, 7], [16, 11]]);
+    check(&guides, tile, &[]);
 }
 
 #[test]
 fn windows_wider_than_the_image_reach_all_of_it() {
     let [values, variances] = random_planes(SIZE, 1, 45);
-    let planes = NoisyPlanes { size: SIZE, values: &values, variances: &variances };
-    let comparison = Comparison { patch_radius: 1, epsilon: 1e-4, noise_taken_off: 1.0 };
-    let guide = Guide { planes, comparison, radius: 19 };
-    check(&guide, Rectangle { x0: 0, y0: 0, x1: 17, y1: 12 }, &[[0, 0], [8, 5], [16, 11]]);
+    let values = [&values[..]];
+    let guides = guides(&values, &variances, 19, 1, 1.0);
+    check(&guides, Rectangle { x0: 0, y0: 0, x1: 17, y1: 12 }, &[[0, 0], [8, 5], [16, 11]]);
 }
 
 #[test]

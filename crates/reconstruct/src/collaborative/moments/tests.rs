@@ -12,11 +12,37 @@ fn random_window(count: usize, seed: u64) -> (Vec<Row>, Vec<f32>) {
     (rows, weights)
 }
 
+/// The rows as padded columns, and the weights as long as these.
+pub fn padded(rows: &[Row], weights: &[f32]) -> (Vec<Vec<f32>>, Vec<f32>) {
+    let length = rows.len().next_multiple_of(LANES);
+    let pad = |values: Vec<f32>| values.into_iter().chain(std::iter::repeat(0.0)).take(length).collect::<Vec<f32>>();
+    ((0..WIDTH).map(|j| pad(rows.iter().map(|row| row[j]).collect())).collect(), pad(weights.to_vec()))
+}
+
+fn moments_of(rows: &[Row], weights: &[f32]) -> Moments {
+    let (columns, weights) = padded(rows, weights);
+    moments(pulp::Scalar, &columns.iter().map(Vec::as_slice).collect::<Vec<_>>(), &weights)
+}
+
+#[test]
+fn fewer_responses_have_the_same_moments() {
+    let (rows, weights) = random_window(81, 8);
+    let (columns, weights) = padded(&rows, &weights);
+    let columns: Vec<&[f32]> = columns.iter().map(Vec::as_slice).collect();
+    let all = moments(pulp::Scalar, &columns, &weights);
+    for responses in 0..=6 {
+        let some = moments(pulp::Scalar, &columns[..FEATURES + responses], &weights);
+        for (all, some) in all.covariance.iter().zip(&some.covariance) {
+            assert_eq!(all[..FEATURES + responses], some[..FEATURES + responses]);
+        }
+    }
+}
+
 #[test]
 fn agree_with_exact_sums() {
     for (count, seed) in [(1, 1), (2, 2), (9, 3), (81, 4), (625, 5)] {
         let (rows, weights) = random_window(count, seed);
-        let found = moments(pulp::Scalar, &rows, &weights);
+        let found = moments_of(&rows, &weights);
         let x = DMatrix::from_fn(count, WIDTH, |i, j| f64::from(rows[i][j]));
         let w = DVector::from_fn(count, |i, _| f64::from(weights[i]));
         let mean = x.tr_mul(&w) / w.sum();
@@ -38,7 +64,7 @@ fn agree_with_exact_sums() {
 fn a_factor_on_all_weights_changes_nothing_else() {
     let (rows, weights) = random_window(30, 6);
     let eightfold: Vec<f32> = weights.iter().map(|w| 8.0 * w).collect();
-    let [once, more] = [&weights, &eightfold].map(|weights| moments(pulp::Scalar, &rows, weights));
+    let [once, more] = [&weights, &eightfold].map(|weights| moments_of(&rows, weights));
     assert_eq!((once.mean, once.covariance), (more.mean, more.covariance));
     assert_eq!(8.0 * once.weight, more.weight);
 }
@@ -47,7 +73,7 @@ fn a_factor_on_all_weights_changes_nothing_else() {
 fn nothing_is_finite() {
     let (rows, _) = random_window(4, 7);
     for (rows, weights) in [(&rows[..], &[0.0; 4][..]), (&[][..], &[][..])] {
-        let found = moments(pulp::Scalar, rows, weights);
+        let found = moments_of(rows, weights);
         assert_eq!((found.weight, found.mean), (0.0, [0.0; WIDTH]));
         assert!(found.covariance.iter().flatten().all(|v| *v == 0.0));
     }

@@ -1,7 +1,7 @@
 //! Planes against ridge regression by exact singular value decomposition.
 
-use super::super::moments::moments;
-use super::super::row::WIDTH;
+use super::super::moments::{Moments, moments};
+use super::super::row::{Row, WIDTH};
 use super::super::twin::{predicted, ridge_fit};
 use super::*;
 use crate::test_noise::TestNoise;
@@ -15,12 +15,31 @@ fn random_window(count: usize, seed: u64) -> (Vec<Row>, Vec<f32>) {
     (rows, weights)
 }
 
+fn lists(rows: &[Row]) -> Vec<Vec<f32>> {
+    let length = rows.len().next_multiple_of(LANES);
+    (0..WIDTH).map(|j| (0..length).map(|i| rows.get(i).map_or(0.0, |row| row[j])).collect()).collect()
+}
+
+fn moments_of(rows: &[Row], weights: &[f32]) -> Moments {
+    let lists = lists(rows);
+    let mut weights = weights.to_vec();
+    weights.resize(lists[0].len(), 0.0);
+    moments(SCALAR, &lists.iter().map(Vec::as_slice).collect::<Vec<_>>(), &weights)
+}
+
+/// What `plane` predicts at `rows`, times `weight`.
+fn predict(plane: &Plane, rows: &[Row], weight: f32) -> Vec<[f32; RESPONSES]> {
+    let lists = lists(rows);
+    let length = lists[0].len();
+    let mut out = vec![0.0; RESPONSES * length];
+    let lists: Vec<&[f32]> = lists.iter().map(Vec::as_slice).collect();
+    plane.predict(SCALAR, &lists, &vec![weight; length], RESPONSES, &mut out);
+    (0..rows.len()).map(|i| std::array::from_fn(|c| out[c * length + i])).collect()
+}
+
 /// Responses of the fit of `rows` at `row`; both are relative to a centre with responses `centre`.
-fn fit_at(rows: &[Row], weights: &[f32], ridge: f32, centre: &[f32], row: &Row) -> Prediction {
-    let plane = Plane::fitted(SCALAR, &moments(SCALAR, rows, weights), ridge, centre);
-    let mut sum = [0.0; PADDED];
-    plane.add_prediction(SCALAR, row, 1.0, &mut sum);
-    sum
+fn fit_at(rows: &[Row], weights: &[f32], ridge: f32, centre: &[f32], row: &Row) -> [f32; RESPONSES] {
+    predict(&Plane::fitted(SCALAR, &moments_of(rows, weights), ridge, centre), &[*row], 1.0)[0]
 }
 
 #[test]
@@ -66,7 +85,7 @@ fn linear_data_give_their_intercepts_and_slopes() {
 fn features_that_do_not_vary_have_no_say() {
     let (mut rows, weights) = random_window(50, 32);
     rows.iter_mut().for_each(|row| row[..FEATURES].fill(0.0));
-    let mean = moments(SCALAR, &rows, &weights).mean;
+    let mean = moments_of(&rows, &weights).mean;
     let mut far = [0.0; WIDTH];
     far[..FEATURES].fill(100.0);
     let found = fit_at(&rows, &weights, 1e-5, &[2.0; RESPONSES], &far);
@@ -76,14 +95,13 @@ fn features_that_do_not_vary_have_no_say() {
 }
 
 #[test]
-fn predictions_add_up_with_their_weights() {
-    let (rows, weights) = random_window(50, 33);
-    let plane = Plane::fitted(SCALAR, &moments(SCALAR, &rows, &weights), 1e-3, &[1.0; RESPONSES]);
-    let [mut once, mut sum] = [[0.0; PADDED]; 2];
-    plane.add_prediction(SCALAR, &rows[0], 1.0, &mut once);
-    for weight in [0.25, 0.5] {
-        plane.add_prediction(SCALAR, &rows[0], weight, &mut sum);
+fn any_number_of_pixels_is_predicted_with_its_weight() {
+    let (rows, weights) = random_window(70, 33);
+    let plane = Plane::fitted(SCALAR, &moments_of(&rows, &weights), 1e-3, &[1.0; RESPONSES]);
+    for count in [1, 8, 17, 33, 70] {
+        for (found, row) in predict(&plane, &rows[..count], 0.25).iter().zip(&rows) {
+            let once = predict(&plane, &[*row], 1.0)[0];
+            assert!((0..RESPONSES).all(|c| (found[c] - 0.25 * once[c]).abs() < 1e-6));
+        }
     }
-    assert_eq!(sum[RESPONSES], 0.75, "the weights themselves");
-    assert!((0..RESPONSES).all(|c| (sum[c] - 0.75 * once[c]).abs() < 1e-6));
 }

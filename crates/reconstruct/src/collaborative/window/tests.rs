@@ -1,42 +1,58 @@
 //! What a fit gets to see of its neighbours.
 
+use stack::Size;
+
 use super::*;
+use crate::rectangle::Rectangle;
 
-const SCALAR: pulp::Scalar = pulp::Scalar;
+const SIZE: Size = Size::new(7, 5);
 
-fn rows() -> Vec<Row> {
-    (0..6).map(|pixel| std::array::from_fn(|j| (pixel * pixel + j) as f32)).collect()
+/// A feature, two responses, the noise and the importance, each of which tells the pixel from all others.
+fn planes() -> Vec<Vec<f32>> {
+    (0..5).map(|plane| (0..SIZE.pixels()).map(|i| (1 + i + 100 * plane) as f32).collect()).collect()
 }
 
-fn neighbours() -> Neighbours {
-    let mut neighbours = Neighbours::default();
-    neighbours.push(5, 1, 0.5);
-    neighbours.push(2, 0, 0.25);
-    neighbours
-}
-
-#[test]
-fn rows_are_relative_to_the_centre() {
-    let mut found = neighbours();
-    found.fetch(SCALAR, &rows(), None, 3);
-    assert_eq!(found.rows, [[16.0; WIDTH], [-5.0; WIDTH]], "25 − 9 and 4 − 9");
-    assert_eq!(found.weights, found.kernel);
+/// The window of radius 1 around `centre`.
+fn window(centre: [usize; 2], weighed: bool) -> Window {
+    let planes = planes();
+    let tile = Rectangle { x0: 2, y0: 1, x1: 7, y1: 5 };
+    let region = Region::cut(planes.iter().map(Vec::as_slice), SIZE, tile, 1);
+    let mut window = Window::new(3);
+    window.fetch(&region, centre, 1, 2, weighed);
+    window
 }
 
 #[test]
-fn importance_weighs_residuals_relative_to_the_centre() {
-    let mut found = neighbours();
-    found.fetch(SCALAR, &rows(), Some(&[1.0, 1.0, 8.0, 4.0, 1.0, 2.0]), 3);
-    assert_eq!(found.weights, [0.25, 0.5]);
-    assert_eq!(found.kernel, [0.5, 0.25], "predictions are averaged without it");
+fn lists_are_relative_to_the_centre() {
+    let window = window([3, 2], false);
+    for column in [0, FEATURES, FEATURES + 1] {
+        assert_eq!(window.column(column)[..9], [-8.0, -7.0, -6.0, -1.0, 0.0, 1.0, 6.0, 7.0, 8.0]);
+        assert_eq!(window.column(column)[9..], [0.0; 7]);
+    }
+    assert_eq!(window.column(1), [0.0; 16], "a feature that there is not");
 }
 
 #[test]
-fn nothing_of_an_earlier_window_stays() {
-    let mut found = neighbours();
-    found.fetch(SCALAR, &rows(), None, 3);
-    found.clear();
-    found.push(4, 7, 1.0);
-    found.fetch(SCALAR, &rows(), None, 4);
-    assert_eq!((found.rows, found.weights, found.pixels), (vec![[0.0; WIDTH]], vec![1.0], vec![4]));
+fn importance_is_relative_to_the_centre() {
+    let mut weights = [0.0; 16];
+    window([3, 2], true).weigh_residuals(&[2.0; 16], &mut weights);
+    let own = 1.0 / 418.0;
+    assert_eq!(weights[..3], [2.0 * (410.0 * own), 2.0 * (411.0 * own), 2.0 * (412.0 * own)]);
+    window([3, 2], false).weigh_residuals(&[2.0; 16], &mut weights);
+    assert_eq!(weights, [2.0; 16]);
+}
+
+#[test]
+fn noise_is_added_up_with_squared_weights() {
+    let sum: f32 = [310.0, 311.0, 312.0, 317.0, 318.0, 319.0, 324.0, 325.0, 326.0].iter().sum();
+    assert_eq!(window([3, 2], true).noise(&[2.0; 16]), 4.0 * sum);
+}
+
+#[test]
+fn what_lies_outside_the_image_has_no_weight() {
+    let mut weights = [0.0; 4];
+    weigh(&[0.0, 1.0, 1e9, 50.0], 0.5, &[0.0, 0.5, 0.0, 0.0], &mut weights);
+    assert_eq!(weights[0], 1.0);
+    assert!((weights[1] - (-1.0_f32).exp()).abs() < 1e-6);
+    assert_eq!(weights[2..], [0.0; 2], "far away, and negligible");
 }

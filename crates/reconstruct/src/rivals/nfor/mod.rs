@@ -19,9 +19,9 @@ use stack::{Cancelled, Component, FeatureStack, Image, Monitor, SampleCounts, Si
 
 use crate::Settings;
 use crate::box_filter::box_mean;
-use crate::collaborative::{Fitted, Guide, Kernel, Ridge, collaborate, rows_of, units};
+use crate::collaborative::{Fitted, Guides, Kernel, Ridge, collaborate, units};
 use crate::components::variance_of;
-use crate::patch_distance::{Comparison, NoisyPlanes};
+use crate::patch_distance::Comparison;
 use crate::prefilter::FeatureSet;
 use crate::reconstruction::{ReconstructError, Reconstruction};
 use features::{FeatureHalves, final_features, half_features};
@@ -86,10 +86,9 @@ fn denoised(
     let selected = select(&candidates, colour, monitor)?;
     let (mean, spread) = combined(&selected.halves);
     let set = final_features(features, monitor)?;
-    monitor.begin("second pass", units(mean.size(), settings.stride));
-    let [picture, _] = regression(&set, [&mean, &mean], (&mean, &spread), &[FINAL_BANDWIDTH], settings, monitor)?
-        .pop()
-        .unwrap_or([mean.clone(), mean]);
+    monitor.begin("second pass", units(mean.size(), settings.stride, 1.0));
+    let picture =
+        regression(&set, &mean, (&mean, &spread), &[FINAL_BANDWIDTH], settings, monitor)?.pop().unwrap_or(mean);
     Ok((without_negative_values(picture), selected.mse))
 }
 
@@ -101,31 +100,44 @@ fn first_pass(
     monitor: &dyn Monitor,
 ) -> Result<Vec<Candidate>, Cancelled> {
     let ColourHalves { halves: [a, b], variance } = colour;
-    monitor.begin("first pass", 2 * units(a.size(), settings.stride));
-    let of_a = regression(&features.filtered[1], [a, b], (b, variance), &BANDWIDTHS, settings, monitor)?;
-    let of_b = regression(&features.filtered[0], [a, b], (a, variance), &BANDWIDTHS, settings, monitor)?;
-    Ok(of_a.into_iter().zip(of_b).map(|([a, _], [_, b])| Candidate { halves: [a, b] }).collect())
+    monitor.begin("first pass", 2 * units(a.size(), settings.stride, 1.0));
+    let of_a = regression(&features.filtered[1], a, (b, variance), &BANDWIDTHS, settings, monitor)?;
+    let of_b = regression(&features.filtered[0], b, (a, variance), &BANDWIDTHS, settings, monitor)?;
+    Ok(of_a.into_iter().zip(of_b).map(|(a, b)| Candidate { halves: [a, b] }).collect())
 }
 
-/// Collaborative fits of both `responses` to `set`, weighted by the patches of `guide`: its values and their variance.
+/// Collaborative fits of the `fitted` colour to `set`, once per bandwidth, weighted by the patches of a guide: its values
+/// and their variance.
 fn regression(
     set: &FeatureSet,
-    responses: [&Image; 2],
+    fitted: &Image,
     (values, variances): (&Image, &Image),
     bandwidths: &[f32],
     settings: &NforSettings,
     monitor: &dyn Monitor,
-) -> Result<Vec<[Image; 2]>, Cancelled> {
+) -> Result<Vec<Image>, Cancelled> {
     let size = set.size;
-    let rows = rows_of(set, responses);
-    let ridge = Ridge { least: settings.ridge, per_noise: 0.0 };
-    let noise = vec![0.0; size.pixels()];
-    let fitted = Fitted { rows: &rows, importance: None, noise: &noise, ridge, stride: settings.stride };
-    let planes = NoisyPlanes { size, values: values.channels(), variances: variances.channels() };
-    let guide = Guide { planes, comparison: comparison(settings.patch_radius), radius: settings.radius };
+    let planes: Vec<&[f32]> = fitted.channels().iter().map(Vec::as_slice).collect();
+    let fitted = Fitted {
+        features: &set.planes,
+        responses: &[&planes],
+        importance: None,
+        noise: &vec![0.0; size.pixels()],
+        ridge: Ridge { least: settings.ridge, per_noise: 0.0 },
+        stride: settings.stride,
+        covered: 1.0,
+    };
+    let guides = Guides {
+        size,
+        values: &[values.channels()],
+        variances: variances.channels(),
+        comparison: comparison(settings.patch_radius),
+        radius: settings.radius,
+    };
     let kernels: Vec<Kernel> =
         bandwidths.iter().map(|bandwidth| Kernel { bandwidth: *bandwidth, sigma: f32::INFINITY }).collect();
-    collaborate(&fitted, &guide, &kernels, monitor)
+    let predicted = collaborate(&fitted, &guides, &kernels, monitor)?;
+    Ok(predicted.into_iter().map(|planes| Image::from_channels(size, planes.into_iter().flatten().collect())).collect())
 }
 
 /// Patches as Rousselle et al. 2012 compare them.
