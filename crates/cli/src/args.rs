@@ -164,7 +164,7 @@ pub struct ReadingArgs {
     #[arg(long, value_name = "ROLE=LAYER", value_parser = mapping)]
     pub map: Vec<Mapping>,
     /// Samples per pixel, where the files do not say or are wrong; of each half or bucket, or of all.
-    #[arg(long, value_name = "N,N…", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N,N…", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
     pub spp: Vec<u32>,
     /// What every variance in the files is: sample, mean, second-moment, standard-error or half-difference [default:
     /// what the renderer is known to write].

@@ -74,13 +74,13 @@ impl Task<'_> {
         let loaded = start.elapsed().as_secs_f64();
         require(self.args, &read)?;
         let settings = resolve(self.args, self.matches, read.header.as_ref())?;
+        let header = header_of(&read, &settings);
         let reconstruction = if outputs.need_inputs() {
             reconstruct(&read.stack, &settings.reconstruction, progress)?
         } else {
             reconstruct_freeing(&mut read.stack, &settings.reconstruction, progress)?
         };
         progress.finish();
-        let header = header_of(&read, &settings);
         let written = Written {
             picture: &reconstruction.picture,
             stack: &read.stack,

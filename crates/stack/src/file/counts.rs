@@ -55,7 +55,7 @@ fn rounded(plane: &[f32], scale: f64) -> Vec<u32> {
 fn attribute(layers: &Layers, recognised: &Recognised) -> Option<(f64, String)> {
     let names = recognised.renderer.spp.iter().chain(ANYBODY.spp);
     names.into_iter().find_map(|(start, end)| {
-        let number = layers.carried.number((start, end)).filter(|n| *n >= 1.0 && *n <= f64::from(u32::MAX))?;
+        let number = layers.carried.number((start, end)).filter(|n| *n >= 1.0 && *n <= f64::from(1 << 24))?;
         let gap = if end.is_empty() { "" } else { "…" };
         Some((number, format!("attribute {start}{gap}{end}")))
     })
