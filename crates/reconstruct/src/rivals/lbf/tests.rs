@@ -5,7 +5,7 @@ use stack::{FeatureRole, Image, Silent};
 use super::filter::{RowFilter, RowGradient};
 use super::kernel::TERMS;
 use super::test_scene::{SIZE, noisy_stack, primary_of, reference};
-use super::training::{Example, TrainingSettings, best_fixed, start, train};
+use super::training::start;
 use super::*;
 use crate::components::variance_of;
 
@@ -76,32 +76,6 @@ fn the_slope_is_that_of_finite_differences() {
         let found = f64::from(slopes[x][term]);
         assert!((found - expected).abs() < 1e-4 + 1e-3 * expected.abs(), "{x}, term {term}: {found} {expected}");
     }
-}
-
-fn example(seed: u64) -> Example {
-    Example::new(&noisy_stack(0.4, seed), &reference(), &Settings::default().prefilter, &Silent).unwrap()
-}
-
-const TRAINING: TrainingSettings = TrainingSettings { radius: 3, epochs: 12, rows: 4, rate: 0.02, decay: 0.0, seed: 3 };
-
-#[test]
-fn training_beats_the_fixed_filter_and_does_not_depend_on_threads() {
-    let examples = [example(1), example(2)];
-    let bandwidths = best_fixed(&examples, TRAINING.radius, &Silent).unwrap();
-    let network = train(&examples, bandwidths, &TRAINING, &Silent).unwrap();
-    let stack = noisy_stack(0.4, 77);
-    let error = |tuning| {
-        let settings = Settings { lbf: LbfSettings { radius: 3, spike_removal: false }, ..Settings::default() };
-        let variance = variance_of(&stack, &stack.components[0]).unwrap();
-        let mean = &stack.components[0].radiance.mean;
-        let found = rebuild(&stack, mean, &variance, tuning, &settings, &Silent).unwrap();
-        squared_error(&found.picture)
-    };
-    let (fixed, learned) = (error(Tuning::Fixed(bandwidths)), error(Tuning::Network(&network)));
-    assert!(learned < fixed, "{learned} {fixed}");
-    assert!(fixed < 0.2 * squared_error(&stack.components[0].radiance.mean));
-    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    assert_eq!(one.install(|| train(&examples, bandwidths, &TRAINING, &Silent).unwrap()), network);
 }
 
 fn squared_error(found: &Image) -> f32 {

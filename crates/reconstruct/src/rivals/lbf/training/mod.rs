@@ -105,3 +105,66 @@ fn shrink(parameters: &mut [f32], share: f64) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use stack::Silent;
+
+    use super::*;
+    use crate::Settings;
+    use crate::rivals::lbf::test_scene::{noisy_stack, reference};
+
+    const TRAINING: TrainingSettings =
+        TrainingSettings { radius: 3, epochs: 12, rows: 4, rate: 0.02, decay: 0.0, seed: 3 };
+
+    fn examples() -> [Example; 2] {
+        let settings = Settings::default().prefilter;
+        [1, 2].map(|seed| Example::new(&noisy_stack(0.4, seed), &reference(), &settings, &Silent).unwrap())
+    }
+
+    #[test]
+    fn a_search_finds_better_than_it_began_with_and_training_better_than_that() {
+        let examples = examples();
+        let rows = rows_of(&examples, 1);
+        let batch = Batch { examples: &examples, rows: &rows, radius: TRAINING.radius };
+        let fixed = best_fixed(&examples, TRAINING.radius, &Silent).unwrap();
+        let network = train(&examples, fixed, &TRAINING, &Silent).unwrap();
+        let begun = batch.error_of([1.0; TERMS], &Silent).unwrap();
+        let (found, learned) = (batch.error_of(fixed, &Silent).unwrap(), batch.slope(&network, &Silent).unwrap().error);
+        assert!(found < begun, "{found} {begun}");
+        assert!(learned < 0.97 * found, "{learned} {found}");
+    }
+
+    #[test]
+    fn the_slope_of_the_error_is_that_of_finite_differences() {
+        let examples = examples();
+        let rows = [(0, 3), (1, 8)];
+        let batch = Batch { examples: &examples, rows: &rows, radius: TRAINING.radius };
+        let mut network = start(examples.iter().flat_map(|e| &e.inputs), [1.0, 1.5, 2.0, 8.0, 8.0, 4.0], 1);
+        let mut numbers = Numbers::new(9);
+        let outputs = HIDDEN * (INPUTS + 1);
+        network.parameters[outputs..].iter_mut().for_each(|p| *p += 0.3 * numbers.symmetric() as f32);
+        let gradient = batch.slope(&network, &Silent).unwrap().gradient;
+        let largest = gradient.iter().map(|g| g.abs()).fold(0.0, f64::max);
+        for i in (0..PARAMETERS).step_by(41) {
+            let error = |change: f32| {
+                let mut network = network.clone();
+                network.parameters[i] += change;
+                batch.slope(&network, &Silent).unwrap().error
+            };
+            let expected = (error(1e-2) - error(-1e-2)) / 2e-2;
+            assert!((gradient[i] - expected).abs() < 0.01 * largest, "{i}: {} {expected}", gradient[i]);
+        }
+    }
+
+    #[test]
+    fn weights_do_not_depend_on_the_number_of_threads() {
+        let examples = examples();
+        let settings = TrainingSettings { epochs: 2, ..TRAINING };
+        let trained = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| train(&examples, [1.0; TERMS], &settings, &Silent).unwrap())
+        };
+        assert_eq!(trained(1), trained(3));
+    }
+}
