@@ -15,7 +15,7 @@ use std::borrow::Cow;
 
 use stack::{Component, Estimate, Feature, FeatureRole, FeatureStack, Image, Monitor, Noise};
 
-use crate::prefilter::PrefilterError;
+use crate::prefilter::{PrefilterError, check};
 pub use lack::Lack;
 use noise::measured_variance;
 pub(crate) use place::has_depth;
@@ -33,8 +33,6 @@ stack::knobs! {
         noise_ridge: f32 = 1e-3, 1e-9..=10.0;
         /// Noise is at most this multiple of how rough the picture is along its smoothest direction.
         noise_roughness: f32 = 1.0, 0.0..=1e6;
-        /// The same for colour without features, all of whose detail is rough.
-        colour_roughness: f32 = 0.5, 0.0..=1e6;
         /// Multiple of a feature's roughness that is taken for its variance.
         feature_roughness: f32 = 0.5, 0.0..=1000.0;
     }
@@ -61,7 +59,7 @@ pub fn complete<'a>(
     let mut completed = Completed { stack: Cow::Borrowed(stack), lacks: Vec::new() };
     completed.measure_features(settings);
     if stack.feature(FeatureRole::Position).is_none() {
-        completed.add_position(settings);
+        completed.add_position(settings)?;
     }
     completed.measure_noise(settings)?;
     completed.lacks.iter().for_each(|lack| monitor.note(&lack.to_string()));
@@ -69,10 +67,11 @@ pub fn complete<'a>(
 }
 
 impl Completed<'_> {
-    fn add_position(&mut self, settings: &CompletionSettings) {
+    fn add_position(&mut self, settings: &CompletionSettings) -> Result<(), PrefilterError> {
         let (size, depth) = (self.stack.size(), self.stack.feature(FeatureRole::Depth));
         let (lack, estimate) = match depth {
             Some(depth) => {
+                check(depth, size)?;
                 let mean = position_from_depth(&depth.estimate.mean);
                 let noise = measured_roughness(&mean, settings);
                 (Lack::POSITION, Estimate { mean, noise })
@@ -81,6 +80,7 @@ impl Completed<'_> {
         };
         self.lacks.push(if self.stack.features.is_empty() { Lack::FEATURES } else { lack });
         self.stack.to_mut().features.insert(0, Feature { role: FeatureRole::Position, estimate });
+        Ok(())
     }
 
     /// Gives every feature of unknown noise the variance that its roughness tells.

@@ -1,12 +1,11 @@
 //! The noise of a picture of which only the mean is known.
 
 use rayon::prelude::*;
-use stack::{FeatureRole, FeatureStack, Image};
+use stack::{FeatureStack, Image};
 
 use super::CompletionSettings;
 use super::local_fit::LocalFit;
-use super::place::has_depth;
-use super::roughness::roughness;
+use super::roughness::roughness_of_light;
 use crate::box_filter::box_mean;
 use crate::lone_light::share_like_neighbours;
 use crate::prefilter::{PrefilterError, VarianceSource, guides, normalised};
@@ -36,11 +35,7 @@ pub fn measured_variance(
         .map_init(Vec::new, |kernel, pixel| squared_residual(&fit, &low, pixel, kernel))
         .collect();
     let squares = Image::from_channels(size, (0..3).map(|c| squares.iter().map(|s| s[c]).collect()).collect());
-    let mut variance = without_detail(
-        squares,
-        &low,
-        if is_explained(stack) { settings.noise_roughness } else { settings.colour_roughness },
-    );
+    let mut variance = without_detail(squares, &low, settings.noise_roughness);
     variance.add(&with_shares(mean, &kept, |y, kept| (y * (1.0 - kept)).powi(2)));
     Ok(variance)
 }
@@ -52,24 +47,22 @@ fn with_shares(image: &Image, shares: &[f32], change: impl Fn(f32, f32) -> f32) 
     Image::from_channels(image.size(), planes.collect())
 }
 
-/// `squares` of residuals, less where `mean` is smoother along some line than the fit says: there are edges or textures
-/// that no feature explains. Over 3×3 pixels they do not exceed `factor` times its roughness.
-fn without_detail(mut squares: Image, mean: &Image, factor: f32) -> Image {
-    let (size, rough) = (mean.size(), roughness(mean));
-    for (plane, rough) in squares.channels_mut().iter_mut().zip(rough.channels()) {
-        let around = box_mean(plane, size, 1);
-        for ((square, around), rough) in plane.iter_mut().zip(&around).zip(rough) {
-            if factor * rough < *around {
-                *square *= factor * rough / around;
+/// `squares` of residuals, less where `light` is smoother along some line than the fit says: there are edges or textures
+/// that no feature explains. Over 3×3 pixels, relative to brightness, they do not exceed `factor` times its roughness.
+fn without_detail(mut squares: Image, light: &Image, factor: f32) -> Image {
+    let (size, rough) = (light.size(), roughness_of_light(light));
+    let limits = rough.variance.channels().iter().zip(rough.scale.channels());
+    for (plane, (variance, scale)) in squares.channels_mut().iter_mut().zip(limits) {
+        let relative: Vec<f32> = plane.iter().zip(scale).map(|(square, scale)| square / scale).collect();
+        let around = box_mean(&relative, size, 1);
+        for (i, square) in plane.iter_mut().enumerate() {
+            let (limit, around) = (factor * variance[i], around[i] * scale[i]);
+            if limit < around {
+                *square *= limit / around;
             }
         }
     }
     squares
-}
-
-/// Whether there is a feature that may explain detail: more than places on the screen.
-fn is_explained(stack: &FeatureStack) -> bool {
-    stack.features.iter().any(|feature| feature.role != FeatureRole::Position) || has_depth(stack)
 }
 
 /// The features on natural scales, not filtered: their noise is unknown, too.
