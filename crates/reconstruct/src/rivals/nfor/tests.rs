@@ -78,8 +78,7 @@ fn noise_shrinks_and_the_error_map_bounds_what_is_left() {
 #[test]
 fn without_buckets_it_says_what_is_missing() {
     let mut stack = stack(0.1, 0.0);
-    let mean = stack.components[0].radiance.mean.clone();
-    stack.components[0].radiance.noise = stack::Noise::VarianceOfMean(mean);
+    stack.components[0].radiance.noise = stack::Noise::Unknown;
     let error = rebuild(&stack, &stack.components[0], &Settings::default(), &Silent).unwrap_err();
     assert!(matches!(error, ReconstructError::NoBuckets { layer: "noisy" }));
 }
