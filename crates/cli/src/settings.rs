@@ -89,7 +89,10 @@ fn fast() -> BestSettings {
     best.split.radius = 1;
     best.features.radius = 1;
     let (first_radius, second_radius) = (5, 7);
-    best.regression = FitSettings { stride: 6, covered: 0.3, first_radius, second_radius, ..FitSettings::DEFAULT };
+    // No window is so tiny that the lattice leaves most pixels to fits of their own.
+    let tiny_sigma = 3.0;
+    let regression = FitSettings { stride: 6, covered: 0.3, first_radius, second_radius, ..FitSettings::DEFAULT };
+    best.regression = FitSettings { tiny_sigma, ..regression };
     best.spread.levels = 0;
     best.cascade.levels = 4;
     best.restore.levels = 2;

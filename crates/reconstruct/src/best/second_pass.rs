@@ -19,6 +19,9 @@ const SMALL_BANDWIDTH: f32 = 1.5;
 /// hardly more than the pixel's neighbours.
 const TINY_BANDWIDTH: f32 = 3.0;
 
+/// Deviations after which a Gaussian is negligible: its weight is below 10⁻⁴.
+const REACH: f32 = 4.3;
+
 /// The candidates of the second pass: both halves of the low layer rebuilt with the same weights, for three bandwidths,
 /// a small window and a tiny one; `pilot` guides them, `first` are the halves of the first pass. Reports the stage `second pass`.
 ///
@@ -54,9 +57,12 @@ pub fn second_pass(
     };
     let mut kernels = BANDWIDTHS.map(|bandwidth| Kernel { bandwidth, sigma: f32::INFINITY }).to_vec();
     kernels.push(Kernel { bandwidth: SMALL_BANDWIDTH, sigma: settings.small_sigma });
-    kernels.push(Kernel { bandwidth: TINY_BANDWIDTH, sigma: settings.tiny_sigma });
-    monitor.begin("second pass", units(size, settings.stride, settings.covered));
-    let predicted = collaborate(&fitted, &guides, &kernels, monitor)?;
+    monitor.begin("second pass", 2 * units(size, settings.stride, settings.covered));
+    let mut predicted = collaborate(&fitted, &guides, &kernels, monitor)?;
+    // By itself: the lattice leaves many pixels to fits of their own, whose windows need not be as wide as the others'.
+    let tiny = Kernel { bandwidth: TINY_BANDWIDTH, sigma: settings.tiny_sigma };
+    let radius = settings.second_radius.min((REACH * tiny.sigma).ceil() as usize);
+    predicted.extend(collaborate(&fitted, &Guides { radius, ..guides }, &[tiny], monitor)?);
     Ok(predicted.into_iter().map(|planes| halves_of(size, planes)).collect())
 }
 
