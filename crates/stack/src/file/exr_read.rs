@@ -22,7 +22,7 @@ use super::{Carried, FileError, Layers, Passthrough};
 use crate::{Size, Window};
 
 /// Blocks that are decoded at a time: enough for many threads, few enough not to hold the file twice.
-const BATCH: usize = 64;
+const BATCH: usize = 8;
 
 /// Bytes that one byte of a file can stand for: deflate reaches 1032, the others of bounded codecs less.
 const MOST_COMPRESSED: u128 = 1100;
