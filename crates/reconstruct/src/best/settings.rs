@@ -17,7 +17,7 @@ stack::knobs! {
     pub struct ColourSettings("colour") {
         /// Weight of a difference in the logarithm of the first pass's picture against one in features; 0 leaves it to the
         /// brightness that each step looks at.
-        guide: f32 = 0.5, 0.0..=100.0;
+        guide: f32 = 1.0, 0.0..=100.0;
     }
 }
 

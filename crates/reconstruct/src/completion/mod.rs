@@ -32,7 +32,9 @@ stack::knobs! {
         /// Ridge of such a fit.
         noise_ridge: f32 = 1e-3, 1e-9..=10.0;
         /// Noise is at most this multiple of how rough the picture is along its smoothest direction.
-        noise_roughness: f32 = 1.0, 0.0..=1e6;
+        noise_roughness: f32 = 2.0, 0.0..=1e6;
+        /// The same where no feature may explain detail.
+        colour_roughness: f32 = 0.8, 0.0..=1e6;
         /// Multiple of a feature's roughness that is taken for its variance.
         feature_roughness: f32 = 0.5, 0.0..=1000.0;
     }

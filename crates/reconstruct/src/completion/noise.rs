@@ -1,10 +1,11 @@
 //! The noise of a picture of which only the mean is known.
 
 use rayon::prelude::*;
-use stack::{FeatureStack, Image};
+use stack::{FeatureRole, FeatureStack, Image};
 
 use super::CompletionSettings;
 use super::local_fit::LocalFit;
+use super::place::has_depth;
 use super::roughness::roughness_of_light;
 use crate::box_filter::box_mean;
 use crate::lone_light::share_like_neighbours;
@@ -26,6 +27,7 @@ pub fn measured_variance(
 ) -> Result<Image, PrefilterError> {
     let planes = feature_planes(stack)?;
     let size = stack.size();
+    let limit = if is_explained(stack) { settings.noise_roughness } else { settings.colour_roughness };
     let kept = share_like_neighbours(mean);
     let low = with_shares(mean, &kept, |y, kept| y * kept);
     let CompletionSettings { noise_radius: radius, noise_likeness: likeness, noise_ridge: ridge, .. } = *settings;
@@ -35,7 +37,7 @@ pub fn measured_variance(
         .map_init(Vec::new, |kernel, pixel| squared_residual(&fit, &low, pixel, kernel))
         .collect();
     let squares = Image::from_channels(size, (0..3).map(|c| squares.iter().map(|s| s[c]).collect()).collect());
-    let mut variance = without_detail(squares, &low, settings.noise_roughness);
+    let mut variance = without_detail(squares, &low, limit);
     variance.add(&with_shares(mean, &kept, |y, kept| (y * (1.0 - kept)).powi(2)));
     Ok(variance)
 }
@@ -63,6 +65,11 @@ fn without_detail(mut squares: Image, light: &Image, factor: f32) -> Image {
         }
     }
     squares
+}
+
+/// Whether there is a feature that may explain detail: more than places on the screen.
+fn is_explained(stack: &FeatureStack) -> bool {
+    stack.features.iter().any(|feature| feature.role != FeatureRole::Position) || has_depth(stack)
 }
 
 /// The features on natural scales, not filtered: their noise is unknown, too.
