@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use reconstruct::Reconstruction;
 use stack::file::{
-    Carried, ResultLayer, StackHeader, check_writable, extension, write_atomically, write_pfm, write_stack,
+    Carried, ResultLayer, StackHeader, check_writable, extension, write_atomically, write_pfm, write_picture,
+    write_stack,
 };
 use stack::{FeatureStack, Image};
 
@@ -124,6 +125,15 @@ fn maps_of(reconstruction: &Reconstruction) -> Vec<(&'static str, Vec<Vec<f32>>)
         ("spikes", reconstruction.spikes.as_ref().map(|spikes| spikes.channels().to_vec())),
     ];
     maps.into_iter().filter_map(|(name, planes)| Some((name, planes?))).collect()
+}
+
+/// Writes a picture to `file`, and beside it as .png, lifted by `stops`.
+///
+/// # Errors
+/// When one of them cannot be written.
+pub fn write_with_png(file: &Path, picture: &Image, stops: f32) -> Result<()> {
+    write_png(&file.with_extension("png"), picture, stops)?;
+    Ok(write_picture(file, picture)?)
 }
 
 /// Writes an 8-bit sRGB picture, lifted by `stops`.

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use reconstruct::metrics::{Comparison, Reference, compare};
-use stack::file::{read_buckets, read_picture};
+use stack::file::{FileError, ReadStack, read_buckets, read_picture, read_stack};
 use stack::{FeatureStack, Image, Knobs};
 
 use crate::args::{ExperimentArgs, Preset};
@@ -35,14 +35,42 @@ impl Case {
     /// # Errors
     /// As [`Self::open_all`].
     pub fn open(folder: &Path) -> Result<Self> {
-        let buckets: Vec<PathBuf> =
-            (0..).map(|b| folder.join(format!("b{b}.exr"))).take_while(|file| file.exists()).collect();
+        let second = |_: &Image| Ok(read_picture(&folder.join("ref2.exr"))?);
+        Self::with(folder, read_buckets(&buckets(folder)), second, &["oidn"])
+    }
+
+    /// Opens a folder that may hold less: b0.exr alone is a stack that knows nothing about its noise, and one reference
+    /// stands for two. Perhaps it has oidn-colour.exr, made from colour alone.
+    ///
+    /// # Errors
+    /// When a file that must be there cannot be read.
+    pub fn open_poor(folder: &Path) -> Result<Self> {
+        let buckets = buckets(folder);
+        let read = if let [alone] = &buckets[..] { read_stack(alone) } else { read_buckets(&buckets) };
+        let second = |first: &Image| Ok(picture_if_there(folder, "ref2")?.unwrap_or_else(|| first.clone()));
+        Self::with(folder, read, second, &["oidn", "oidn-colour"])
+    }
+
+    fn with(
+        folder: &Path,
+        read: Result<ReadStack, FileError>,
+        second: impl FnOnce(&Image) -> Result<Image>,
+        others: &[&'static str],
+    ) -> Result<Self> {
+        let stack = read.with_context(|| format!("{}: b0.exr, b1.exr …", folder.display()))?.stack;
+        let first = read_picture(&folder.join("ref1.exr"))?;
+        let second = second(&first)?;
+        let mut found = Vec::new();
+        for name in others {
+            found.extend(picture_if_there(folder, name)?.map(|picture| (*name, picture)));
+        }
         let name = folder.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-        let read = read_buckets(&buckets).with_context(|| format!("{}: b0.exr, b1.exr …", folder.display()))?;
-        let references = [read_picture(&folder.join("ref1.exr"))?, read_picture(&folder.join("ref2.exr"))?];
-        let oidn = Some(folder.join("oidn.exr")).filter(|file| file.exists());
-        let others = oidn.map(|file| read_picture(&file)).transpose()?.map(|picture| ("oidn", picture));
-        Ok(Self { name, stack: read.stack, references, others: others.into_iter().collect() })
+        Ok(Self { name, stack, references: [first, second], others: found })
+    }
+
+    /// What the other program called `name` made of it, where that is known.
+    pub fn other(&self, name: &str) -> Option<&Image> {
+        self.others.iter().find(|(other, _)| *other == name).map(|(_, picture)| picture)
     }
 
     /// Measures `picture` against both references.
@@ -53,6 +81,16 @@ impl Case {
         let reference = Reference { second: Some(&self.references[1]), ..Reference::new(&self.references[0]) };
         compare(picture, &reference).with_context(|| self.name.clone())
     }
+}
+
+/// The files b0.exr, b1.exr … of a folder.
+fn buckets(folder: &Path) -> Vec<PathBuf> {
+    (0..).map(|b| folder.join(format!("b{b}.exr"))).take_while(|file| file.exists()).collect()
+}
+
+fn picture_if_there(folder: &Path, name: &str) -> Result<Option<Image>, FileError> {
+    let file = Some(folder.join(format!("{name}.exr"))).filter(|file| file.exists());
+    file.map(|file| read_picture(&file)).transpose()
 }
 
 /// Flags with their values.

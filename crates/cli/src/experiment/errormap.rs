@@ -14,7 +14,6 @@ use super::scenes::Stage;
 use super::table::{Table, maybe, short};
 use crate::args::ExperimentArgs;
 use crate::progress::Progress;
-use crate::render::Budget;
 
 /// Runs the experiment on every scene and every folder of buckets.
 pub fn run(args: &ExperimentArgs, progress: &Progress) -> Result<Vec<Table>> {
@@ -41,8 +40,8 @@ fn of_scene(file: &Path, args: &ExperimentArgs, progress: &Progress) -> Result<V
             progress.say(&format!("{}: {spp} spp, seed {seed}", stage.name));
             let mut settings = args.settings()?;
             settings.trace.seed = seed;
-            let finished = stage.render(&settings, &Budget::uniform(*spp), false, progress)?;
-            let calibration = judge(&finished.stack, &references, args, progress)?;
+            let stack = stage.sample(&settings, *spp, progress)?;
+            let calibration = judge(&stack, &references, args, progress)?;
             found.push((format!("{} {spp} spp", stage.name), calibration));
         }
     }

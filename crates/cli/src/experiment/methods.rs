@@ -7,7 +7,7 @@ use anyhow::Result;
 use reconstruct::metrics::Comparison;
 use reconstruct::reconstruct;
 use stack::Image;
-use stack::file::{Carried, ResultLayer, StackHeader, write_picture, write_stack};
+use stack::file::{Carried, ResultLayer, StackHeader, write_stack};
 
 use super::case::{Case, Entry, settings};
 use super::geometric_mean::geometric_mean;
@@ -17,9 +17,8 @@ use super::scenes::Stage;
 use super::table::{Table, maybe};
 use crate::args::{ExperimentArgs, Preset};
 use crate::exposure;
-use crate::output::write_png;
+use crate::output::write_with_png;
 use crate::progress::Progress;
-use crate::render::Budget;
 
 /// Every method there is.
 pub const METHODS: &[Entry] = &[
@@ -92,7 +91,7 @@ fn rendered(
     settings.trace.seed = seed;
     let name = format!("{}-{spp}spp-{seed}", stage.name);
     progress.say(&format!("{name}: samples"));
-    let stack = stage.render(&settings, &Budget::uniform(spp), false, progress)?.stack;
+    let stack = stage.sample(&settings, spp, progress)?;
     let file = args.output.join(format!("{name}.exr"));
     let header = StackHeader::of(&stack, settings.to_json());
     let picture = stack.beauty();
@@ -105,9 +104,7 @@ fn rendered(
 fn judge(case: &Case, args: &ExperimentArgs, progress: &Progress) -> Result<Vec<Cell>> {
     let stops = exposure::choose(&case.references[0]);
     let keep = |name: &str, picture: &Image| -> Result<()> {
-        let file = args.output.join(format!("{}-{name}.exr", case.name));
-        write_png(&file.with_extension("png"), picture, stops)?;
-        Ok(write_picture(&file, picture)?)
+        write_with_png(&args.output.join(format!("{}-{name}.exr", case.name)), picture, stops)
     };
     keep("reference", &case.references[0])?;
     let mut cells = Vec::new();

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use anyhow::Result;
 use reconstruct::metrics::{Comparison, Reference, compare};
-use stack::{Image, Window};
+use stack::{FeatureStack, Image, Window};
 use tracer::camera::Camera;
 use tracer::film::Film;
 
@@ -43,6 +43,11 @@ impl Stage {
         let sampling = Sampling { scene: &self.view.scene, camera: &self.camera, settings, progress };
         let finished = trace_adaptively(&sampling, film, budget, rebuild)?;
         if finished.interrupted { Err(stack::Cancelled.into()) } else { Ok(finished) }
+    }
+
+    /// Traces `spp` samples for every pixel and rebuilds nothing.
+    pub fn sample(&self, settings: &Settings, spp: u32, progress: &Progress) -> Result<FeatureStack> {
+        Ok(self.render(settings, &Budget::uniform(spp), false, progress)?.stack)
     }
 }
 

@@ -35,10 +35,7 @@ impl Files {
         values: Values<'_>,
         attributes: &[(&str, AttributeValue)],
     ) -> PathBuf {
-        let path = self.path(name);
-        let layer = layer(channels, values, attributes, false);
-        Image::from_layer(layer).write().to_file(&path).unwrap();
-        path
+        self.one_part(name, layer(channels, values, attributes, false))
     }
 
     /// The same in half precision.
@@ -49,8 +46,11 @@ impl Files {
         values: Values<'_>,
         attributes: &[(&str, AttributeValue)],
     ) -> PathBuf {
+        self.one_part(name, layer(channels, values, attributes, true))
+    }
+
+    fn one_part(&self, name: &str, layer: Layer<AnyChannels<FlatSamples>>) -> PathBuf {
         let path = self.path(name);
-        let layer = layer(channels, values, attributes, true);
         Image::from_layer(layer).write().to_file(&path).unwrap();
         path
     }

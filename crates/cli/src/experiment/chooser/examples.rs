@@ -12,7 +12,6 @@ use crate::experiment::learning::variation::write_variation;
 use crate::experiment::reference::reference_stacks;
 use crate::experiment::scenes::{OWN_SCENES, Stage};
 use crate::progress::Progress;
-use crate::render::Budget;
 
 /// Variations of each of our scenes.
 const VARIATIONS: u64 = 3;
@@ -48,7 +47,7 @@ fn of_scene(file: &Path, seed: u64, args: &ExperimentArgs, progress: &Progress) 
     settings.trace.seed = seed;
     let example = |spp: &u32| {
         progress.say(&format!("{}: {spp} spp", stage.name));
-        let stack = stage.render(&settings, &Budget::uniform(*spp), false, progress)?.stack;
+        let stack = stage.sample(&settings, *spp, progress)?;
         Ok(Example::new(&stack, &references, &settings.reconstruction.best, seed, progress)?)
     };
     args.spp.iter().map(example).collect()

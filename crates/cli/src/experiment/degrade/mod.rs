@@ -1,6 +1,5 @@
 //! How errors grow as a stack knows less.
 
-mod folder;
 mod level;
 
 use anyhow::Result;
@@ -9,10 +8,9 @@ use reconstruct::reconstruct;
 use stack::file::write_picture;
 use stack::{FeatureStack, Image};
 
-use self::folder::Folder;
 use self::level::Level;
 use super::calibration::{Judged, calibrate};
-use super::case::{Entry, settings};
+use super::case::{Case, Entry, settings};
 use super::table::{Table, maybe, short};
 use crate::args::{ExperimentArgs, Preset};
 use crate::progress::Progress;
@@ -31,11 +29,11 @@ pub fn run(args: &ExperimentArgs, progress: &Progress) -> Result<Vec<Table>> {
     let head = ["stack", "what it has", "method", "cross rMSE", "trimmed", "energy", "estimated over true error"];
     let mut table = Table::new("What is left of quality as a stack knows less", &head);
     for input in &args.inputs {
-        let folder = Folder::open(input)?;
-        table.rows.push(row([&folder.name, "", "noisy"], &folder.judge(&folder.stack.beauty())?, None));
+        let case = Case::open_poor(input)?;
+        table.rows.push(row([&case.name, "", "noisy"], &case.judge(&case.stack.beauty())?, None));
         for level in Level::ALL {
-            if let Some(stack) = level.of(&folder.stack) {
-                table.rows.extend(of_level(&folder, level, &stack, args, progress)?);
+            if let Some(stack) = level.of(&case.stack) {
+                table.rows.extend(of_level(&case, level, &stack, args, progress)?);
             }
         }
     }
@@ -44,7 +42,7 @@ pub fn run(args: &ExperimentArgs, progress: &Progress) -> Result<Vec<Table>> {
 
 /// All methods on one stack; writes their pictures.
 fn of_level(
-    folder: &Folder,
+    case: &Case,
     level: Level,
     stack: &FeatureStack,
     args: &ExperimentArgs,
@@ -56,23 +54,23 @@ fn of_level(
     }
     let mut rows = Vec::new();
     for (name, settings) in methods {
-        progress.say(&format!("{}, {}: {name}", folder.name, level.name()));
-        let (picture, ratio) = rebuilt(folder, stack, &settings, progress)?;
-        let file = format!("{}-{}-{name}.exr", folder.name, level.name().replace([',', ' '], "_"));
+        progress.say(&format!("{}, {}: {name}", case.name, level.name()));
+        let (picture, ratio) = rebuilt(case, stack, &settings, progress)?;
+        let file = format!("{}-{}-{name}.exr", case.name, level.name().replace([',', ' '], "_"));
         write_picture(&args.output.join(file), &picture)?;
-        rows.push(row([&folder.name, level.name(), name], &folder.judge(&picture)?, Some(ratio)));
+        rows.push(row([&case.name, level.name(), name], &case.judge(&picture)?, Some(ratio)));
     }
-    let oidn = if level == Level::Colour { &folder.oidn_colour } else { &folder.oidn };
-    if let Some(picture) = oidn {
-        rows.push(row([&folder.name, level.name(), "oidn"], &folder.judge(picture)?, None));
+    let oidn = if level == Level::Colour { "oidn-colour" } else { "oidn" };
+    if let Some(picture) = case.other(oidn) {
+        rows.push(row([&case.name, level.name(), "oidn"], &case.judge(picture)?, None));
     }
     Ok(rows)
 }
 
 /// The picture, and its estimated over its true squared error.
-fn rebuilt(folder: &Folder, stack: &FeatureStack, settings: &Settings, progress: &Progress) -> Result<(Image, f64)> {
+fn rebuilt(case: &Case, stack: &FeatureStack, settings: &Settings, progress: &Progress) -> Result<(Image, f64)> {
     let found = reconstruct(stack, &settings.reconstruction, progress)?;
-    let references = &folder.references;
+    let references = &case.references;
     let judged = Judged { picture: &found.picture, mse: &found.mse, raw_variance: &found.mse, references };
     let [estimate, truth] = calibrate(&judged).trimmed;
     Ok((found.picture, estimate / truth))

@@ -12,7 +12,6 @@ use crate::experiment::scenes::{OWN_SCENES, Stage};
 use crate::exposure;
 use crate::output::write_png;
 use crate::progress::Progress;
-use crate::render::Budget;
 use crate::settings::Settings;
 
 /// A stack with its references, and the scene it was rendered from when it was rendered here.
@@ -55,7 +54,7 @@ impl Subject {
         let stage = Stage::open(file, args, progress)?;
         let converged = reference_stacks(args, &stage, progress)?;
         let spp = args.spp.iter().copied().max().unwrap_or(1);
-        let stack = stage.render(&Settings::default(), &Budget::uniform(spp), false, progress)?.stack;
+        let stack = stage.sample(&Settings::default(), spp, progress)?;
         let references = [converged[0].beauty(), converged[1].beauty()];
         let case = Case { name: stage.name.clone(), stack, references, others: Vec::new() };
         let [converged, _] = converged;

@@ -9,7 +9,6 @@ use crate::experiment::case::Case;
 use crate::experiment::reference::references;
 use crate::experiment::scenes::{OWN_SCENES, Stage};
 use crate::progress::Progress;
-use crate::render::Budget;
 
 /// Every folder of buckets, and every scene at every number of samples; without inputs our scenes as they are, of which
 /// the training sees variations.
@@ -30,7 +29,7 @@ fn of_scene(file: &Path, args: &ExperimentArgs, progress: &Progress) -> Result<V
     let stage = Stage::open(file, args, progress)?;
     let references = references(args, &stage, progress)?;
     let case = |spp: &u32| {
-        let stack = stage.render(&args.settings()?, &Budget::uniform(*spp), false, progress)?.stack;
+        let stack = stage.sample(&args.settings()?, *spp, progress)?;
         Ok(Case {
             name: format!("{} {spp} spp", stage.name),
             stack,

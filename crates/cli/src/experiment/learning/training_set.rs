@@ -11,7 +11,6 @@ use crate::args::ExperimentArgs;
 use crate::experiment::reference::reference_stack;
 use crate::experiment::scenes::{OWN_SCENES, Stage};
 use crate::progress::Progress;
-use crate::render::Budget;
 
 /// Variations of each scene.
 const VARIATIONS: u64 = 8;
@@ -32,7 +31,7 @@ pub fn training_set(args: &ExperimentArgs, progress: &Progress) -> Result<Vec<Ex
         for spp in &args.spp {
             let mut settings = args.settings()?;
             settings.trace.seed = seed.wrapping_add(number + 1);
-            let stack = stage.render(&settings, &Budget::uniform(*spp), false, progress)?.stack;
+            let stack = stage.sample(&settings, *spp, progress)?;
             examples.push(Example::new(&stack, &reference, &settings.reconstruction.prefilter, progress)?);
         }
     }
