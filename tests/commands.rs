@@ -2,7 +2,9 @@
 
 mod support;
 
+use exr::prelude::FlatSamples;
 use serde_json::Value;
+use stack::file::{Layers, Passthrough};
 use support::{Workplace, shared};
 
 fn json(text: &str) -> Value {
@@ -243,4 +245,31 @@ fn a_whole_folder_of_another_renderer_is_one_stack() {
     assert_eq!(report[0]["found"]["renderer"], "Tungsten");
     assert_eq!(report[0]["features"].as_array().map(Vec::len), Some(4));
     workplace.must(&format!("denoise {} -o out.exr --method ld --quiet", files.join(" ")));
+}
+
+#[test]
+fn passes_are_rebuilt_in_place_and_add_up() {
+    let workplace = Workplace::new();
+    workplace.must("render box.obj --size 24x24 --spp 8 --quiet --uniform --no-denoise -o noisy.exr");
+    let mut layers = Layers::read(&workplace.path("noisy.exr")).unwrap();
+    for (c, name) in ["R", "G", "B"].into_iter().enumerate() {
+        let noisy = layers.channels.iter().find(|channel| channel.name == format!("noisy.{name}")).unwrap();
+        let part = |share: f32| FlatSamples::F32((0..576).map(|pixel| share * noisy.value(pixel)).collect());
+        let passes = [("view.key", part(0.75)), ("view.sky", part(0.25 - 0.01 * c as f32))];
+        let passes = passes.map(|(layer, samples)| Passthrough { name: format!("{layer}.{name}"), samples });
+        layers.channels.extend(passes);
+    }
+    layers.write(&workplace.path("passes.exr")).unwrap();
+    workplace.must("denoise passes.exr -o a.exr --aov none --also KEY,view.sky --quiet");
+    workplace.must("denoise passes.exr -o b.exr --aov none --quiet");
+    let [rebuilt, plain] = ["a.exr", "b.exr"].map(|file| Layers::read(&workplace.path(file)).unwrap());
+    let at = |layers: &Layers, name: &str, pixel: usize| {
+        layers.channels.iter().find(|channel| channel.name == name).unwrap().value(pixel)
+    };
+    assert!((0..576).all(|pixel| at(&rebuilt, "R", pixel) == at(&plain, "R", pixel)));
+    let sum = |name: &str| (0..576).map(|pixel| f64::from(at(&rebuilt, name, pixel))).sum::<f64>();
+    assert!((sum("view.key.R") / sum("view.sky.R") / 3.0 - 1.0).abs() < 0.05);
+    let run = workplace.tamis("denoise passes.exr -o c.exr --also specular --quiet");
+    assert_eq!((run.code(), run.errors().len()), (Some(2), 1));
+    assert!(run.stderr().contains("view.key, view.sky"), "{}", run.stderr());
 }

@@ -38,6 +38,20 @@ fn denoise_repeats_render_bit_for_bit() {
 }
 
 #[test]
+fn less_memory_makes_the_same_file_or_is_refused() {
+    let workplace = Workplace::new();
+    workplace.must("render box.obj --size 48x200 --spp 8 --quiet --uniform --no-denoise -o noisy.exr");
+    workplace.must("denoise noisy.exr -o a.exr --quiet");
+    // First the stack is freed and read again, then the second pass is made in bands, too.
+    for limit in [68_000_000, 65_000_000] {
+        workplace.must(&format!("denoise noisy.exr -o b.exr --quiet --max-memory {limit}"));
+        assert!(workplace.bytes("a.exr") == workplace.bytes("b.exr"), "{limit}");
+    }
+    let run = workplace.tamis("denoise noisy.exr -o c.exr --quiet --max-memory 10M");
+    assert_eq!((run.code(), run.errors().len(), workplace.path("c.exr").exists()), (Some(2), 1, false));
+}
+
+#[test]
 fn result_layers_of_the_input_are_never_read() {
     let workplace = Workplace::new();
     workplace.must(&format!("{RENDER} --preset paper -o a.exr"));

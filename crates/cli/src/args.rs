@@ -7,6 +7,7 @@ use stack::Knobs;
 use stack::file::{Convention, Mapping, ReadOptions};
 
 use crate::failure::usage;
+use crate::memory::Bytes;
 use crate::options::{Crop, PictureSize, Triple};
 use crate::settings::Settings;
 
@@ -208,6 +209,14 @@ pub struct DenoiseArgs {
     /// `noise` (something is known about the colour's), `variance` or `buckets` (what).
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub require: Vec<String>,
+    /// Layers of light that the file carries along (passes, groups of lights), comma-separated: rebuilt with the weights
+    /// of the picture, so that they still add up to it, and written under their own names.
+    #[arg(long, value_name = "LIST", value_delimiter = ',')]
+    pub also: Vec<String>,
+    /// Take no more memory than this, as in 800M or 24G: at the price of time, the picture stays the same. Three quarters
+    /// of the machine's when not given.
+    #[arg(long, value_name = "SIZE")]
+    pub max_memory: Option<Bytes>,
     #[command(flatten)]
     pub picture: PictureArgs,
     #[command(flatten)]

@@ -4,15 +4,17 @@ use std::time::Instant;
 
 use anyhow::Result;
 use clap::ArgMatches;
-use reconstruct::{Reconstruction, reconstruct, reconstruct_freeing};
+use reconstruct::{Extras, Reconstruction, reconstruct_freeing, reconstruct_with};
 use serde_json::{Value, json};
-use stack::Noise;
-use stack::file::{Found, Inputs, ReadStack, Role, Source, StackHeader, read_inputs};
+use stack::file::{FileError, Found, Inputs, Pass, ReadStack, Role, Source, StackHeader, read_inputs};
+use stack::{FeatureStack, Image, Noise, Size};
 
 use crate::args::{DenoiseArgs, OutputArgs};
 use crate::failure::{Verdict, usage};
+use crate::memory::Plan;
 use crate::output::{Outputs, Written};
 use crate::progress::Progress;
+use crate::render::report::mean_radiance;
 use crate::settings::Settings;
 use crate::stdout::print_line;
 use crate::{batch, interrupt, render};
@@ -69,17 +71,18 @@ impl Task<'_> {
     /// When a step fails, or something that is required is not there.
     pub fn run(&self, outputs: &Outputs, progress: &Progress) -> Result<Value> {
         let start = Instant::now();
-        let mut read = read_inputs(&self.inputs, &self.args.reading.options())?;
+        let mut read = self.read()?;
         read.notes.iter().for_each(|note| progress.say(note));
         let loaded = start.elapsed().as_secs_f64();
         require(self.args, &read)?;
         let settings = resolve(self.args, self.matches, read.header.as_ref())?;
         let header = header_of(&read, &settings);
-        let reconstruction = if outputs.need_inputs() {
-            reconstruct(&read.stack, &settings.reconstruction, progress)?
-        } else {
-            reconstruct_freeing(&mut read.stack, &settings.reconstruction, progress)?
-        };
+        let noisy = mean_radiance(&read.stack.beauty());
+        let passes = passes(&self.args.also, &read.stack)?;
+        let mut reconstruction = self.reconstruct(&mut read, &passes, &settings.reconstruction, outputs, progress)?;
+        for (pass, rebuilt) in passes.iter().zip(std::mem::take(&mut reconstruction.passes)) {
+            pass.replace(&mut read.stack, rebuilt);
+        }
         progress.finish();
         let written = Written {
             picture: &reconstruction.picture,
@@ -94,9 +97,58 @@ impl Task<'_> {
             [("load", loaded), ("write", writing.elapsed().as_secs_f64()), ("total", start.elapsed().as_secs_f64())];
         say_what_was_done(progress, &reconstruction, seconds[2].1);
         let outcome =
-            Outcome { outputs, written: &written, found: &read.found, settings: &settings, seconds: &seconds };
+            Outcome { outputs, written: &written, noisy, found: &read.found, settings: &settings, seconds: &seconds };
         Ok(outcome.json(progress))
     }
+
+    fn read(&self) -> Result<ReadStack, FileError> {
+        read_inputs(&self.inputs, &self.args.reading.options())
+    }
+
+    /// The picture of `read`, of which the output finds there what it needs.
+    fn reconstruct(
+        &self,
+        read: &mut ReadStack,
+        passes: &[Pass],
+        settings: &reconstruct::Settings,
+        outputs: &Outputs,
+        progress: &Progress,
+    ) -> Result<Reconstruction> {
+        let images: Vec<Image> = passes.iter().map(|pass| pass.image(&read.stack)).collect();
+        let plan = Plan::new(self.args.max_memory, &read.stack, settings.method, outputs.need_inputs())?;
+        let extras = Extras { rows: plan.rows, passes: &images };
+        if !plan.free {
+            return Ok(reconstruct_with(&read.stack, settings, extras, progress)?);
+        }
+        let before = fingerprint(&read.stack);
+        let reconstruction = reconstruct_freeing(&mut read.stack, settings, extras, progress)?;
+        if outputs.need_inputs() {
+            read.stack = self.read()?.stack;
+            if fingerprint(&read.stack) != before {
+                return Err(usage(
+                    "the input is no longer what it was when it was denoised: leave it as it is until the end",
+                ));
+            }
+        }
+        Ok(reconstruction)
+    }
+}
+
+/// What is compared to see whether an input has changed.
+fn fingerprint(stack: &FeatureStack) -> (Size, u64) {
+    (stack.size(), mean_radiance(&stack.beauty()).to_bits())
+}
+
+/// The layers of `stack` that are called `names`.
+fn passes(names: &[String], stack: &FeatureStack) -> Result<Vec<Pass>> {
+    let mut passes: Vec<Pass> = Vec::new();
+    for name in names {
+        let pass = Pass::find(stack, name)?;
+        if !passes.contains(&pass) {
+            passes.push(pass);
+        }
+    }
+    Ok(passes)
 }
 
 /// Demands what `--require` lists.
@@ -156,6 +208,8 @@ fn say_what_was_done(progress: &Progress, reconstruction: &Reconstruction, secon
 struct Outcome<'a> {
     outputs: &'a Outputs,
     written: &'a Written<'a>,
+    /// Mean radiance of the noisy picture.
+    noisy: f64,
     found: &'a Found,
     settings: &'a Settings,
     seconds: &'a [(&'a str, f64)],
@@ -174,7 +228,7 @@ impl Outcome<'_> {
             "stages": render::report::stages(progress),
             "lacks": render::report::lacks(self.written),
             "estimated_rmse": render::report::estimated_rmse(self.written),
-            "energy": render::report::energy(self.written),
+            "energy": render::report::energy(self.noisy, self.written.picture),
             "peak_bytes": render::report::peak_bytes(),
             "settings": self.settings.to_json(),
         })

@@ -57,6 +57,7 @@ fn fault(error: &(dyn std::error::Error + 'static)) -> Option<Fault> {
     }
     ask!(
         stack::file::FileError,
+        stack::file::PassError,
         tracer::scene::SceneError,
         tracer::integrator::TraceError,
         tracer::camera::CameraError,

@@ -10,6 +10,7 @@ mod failure;
 mod info;
 mod interrupt;
 mod mask;
+mod memory;
 mod options;
 mod output;
 mod progress;

@@ -6,6 +6,7 @@
 //! [`collaborative`]).
 
 pub mod adaptive;
+mod bands;
 pub mod best;
 pub mod box_filter;
 pub mod collaborative;
@@ -36,7 +37,8 @@ pub mod spikes;
 mod test_noise;
 pub mod variance;
 
+pub use best::Extras;
 pub use method::{Fit, Method, MethodSettings};
-pub use pipeline::{reconstruct, reconstruct_freeing, reconstruct_with_chooser};
+pub use pipeline::{reconstruct, reconstruct_freeing, reconstruct_with, reconstruct_with_chooser};
 pub use reconstruction::{ReconstructError, Reconstruction};
 pub use settings::Settings;

@@ -2,9 +2,9 @@
 
 use std::borrow::Cow;
 
-use stack::{Component, ComponentRole, Estimate, FeatureStack, Image, Monitor, Noise};
+use stack::{Component, ComponentRole, FeatureStack, Image, Monitor};
 
-use crate::best::{Chooser, GuideFeatures};
+use crate::best::{Chooser, Extras, GuideFeatures, Workshop};
 use crate::completion::{Completed, complete};
 use crate::components::{is_lit, sum_of_components, variance_of};
 use crate::emission::{rebuild_emission, with_emission_apart};
@@ -26,8 +26,32 @@ pub fn reconstruct(
     settings: &Settings,
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
+    reconstruct_with(stack, settings, Extras::default(), monitor)
+}
+
+/// The same, with `extras`.
+///
+/// # Errors
+/// As [`reconstruct`], and when passes are asked of a method that has none.
+pub fn reconstruct_with(
+    stack: &FeatureStack,
+    settings: &Settings,
+    extras: Extras,
+    monitor: &dyn Monitor,
+) -> Result<Reconstruction, ReconstructError> {
     let Completed { stack, lacks } = complete(stack, &settings.completion, monitor)?;
-    Ok(Reconstruction { lacks, ..by_method(&stack, settings, monitor)? })
+    let rebuilt = if is_collaborative(settings) {
+        collaborative(&stack, settings, chooser(settings)?.as_ref(), extras, monitor)?
+    } else if extras.passes.is_empty() {
+        by_method(&stack, settings, monitor)?
+    } else {
+        return Err(ReconstructError::NoPasses);
+    };
+    Ok(Reconstruction { lacks, ..rebuilt })
+}
+
+fn is_collaborative(settings: &Settings) -> bool {
+    settings.method == MethodSettings { method: Method::Ours, fit: Fit::Collaborative }
 }
 
 fn by_method(
@@ -37,7 +61,7 @@ fn by_method(
 ) -> Result<Reconstruction, ReconstructError> {
     match settings.method.method {
         Method::Ld => sum_of_components(stack.size(), &stack.components, |component| unfiltered(stack, component)),
-        Method::Ours => ours(stack, settings, monitor),
+        Method::Ours => local(stack, settings, monitor),
         Method::Wlr => rivals::reconstruct(stack, Rival::Wlr(Variant::Plain), settings, monitor),
         Method::Wlrp => rivals::reconstruct(stack, Rival::Wlr(Variant::Pilot), settings, monitor),
         Method::Wlrv => rivals::reconstruct(stack, Rival::Wlr(Variant::Visibility), settings, monitor),
@@ -47,18 +71,18 @@ fn by_method(
     }
 }
 
-/// The same, but frees the buckets of `stack` as soon as nothing needs them; means and sample counts stay.
+/// The same, but frees the `stack` as soon as nothing needs it: of its components and features nothing is left.
 ///
 /// # Errors
-/// As [`reconstruct`].
+/// As [`reconstruct_with`].
 pub fn reconstruct_freeing(
     stack: &mut FeatureStack,
     settings: &Settings,
+    extras: Extras,
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
-    let MethodSettings { method, fit } = settings.method;
-    if (method, fit) != (Method::Ours, Fit::Collaborative) {
-        return reconstruct(stack, settings, monitor);
+    if !is_collaborative(settings) {
+        return reconstruct_with(stack, settings, extras, monitor);
     }
     let Completed { stack: completed, lacks } = complete(stack, &settings.completion, monitor)?;
     let made_up = match completed {
@@ -66,8 +90,11 @@ pub fn reconstruct_freeing(
         Cow::Owned(completed) => Some(completed),
     };
     let rebuilt = match made_up {
-        None => freeing(stack, settings, monitor)?,
-        Some(mut completed) => freeing(&mut completed, settings, monitor)?,
+        None => freeing(stack, settings, extras, monitor)?,
+        Some(mut completed) => {
+            (stack.components, stack.features) = Default::default();
+            freeing(&mut completed, settings, extras, monitor)?
+        }
     };
     Ok(Reconstruction { lacks, ..rebuilt })
 }
@@ -75,13 +102,14 @@ pub fn reconstruct_freeing(
 fn freeing(
     stack: &mut FeatureStack,
     settings: &Settings,
+    extras: Extras,
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
     let features = best::guide_features(stack, &settings.best.features, monitor)?;
-    stack.features.iter_mut().for_each(|feature| feature.estimate.noise = Noise::Unknown);
-    let mut components = with_noise_of(&mut stack.components);
+    stack.features.clear();
+    let mut components = std::mem::take(&mut stack.components);
     let chooser = chooser(settings)?;
-    let task = Collaborative { stack, features: &features, settings, chooser: chooser.as_ref() };
+    let task = Collaborative::new(stack, &features, settings, chooser.as_ref(), extras);
     let mut sum = Reconstruction::plain(Image::zeros(stack.size(), 3));
     // The last first: emission is soon done with.
     while let Some(component) = components.pop() {
@@ -92,25 +120,12 @@ fn freeing(
     Ok(sum)
 }
 
-/// Copies of `components` that take over what is known about their noise.
-fn with_noise_of(components: &mut [Component]) -> Vec<Component> {
-    let taken = |component: &mut Component| {
-        let noise = std::mem::replace(&mut component.radiance.noise, Noise::Unknown);
-        Component { role: component.role, radiance: Estimate { mean: component.radiance.mean.clone(), noise } }
-    };
-    components.iter_mut().map(taken).collect()
-}
-
-fn ours(stack: &FeatureStack, settings: &Settings, monitor: &dyn Monitor) -> Result<Reconstruction, ReconstructError> {
-    match settings.method.fit {
-        Fit::Local => {
-            let features = prefilter(stack, &settings.prefilter, monitor)?;
-            sum_of_components(stack.size(), &with_emission_apart(stack, monitor), |component| {
-                rebuilt(stack, component, &features, settings, monitor)
-            })
-        }
-        Fit::Collaborative => reconstruct_with_chooser(stack, settings, chooser(settings)?.as_ref(), monitor),
-    }
+/// The paper's method.
+fn local(stack: &FeatureStack, settings: &Settings, monitor: &dyn Monitor) -> Result<Reconstruction, ReconstructError> {
+    let features = prefilter(stack, &settings.prefilter, monitor)?;
+    sum_of_components(stack.size(), &with_emission_apart(stack, monitor), |component| {
+        rebuilt(stack, component, &features, settings, monitor)
+    })
 }
 
 /// Reconstructs the picture of `stack` by collaborative fits; the `chooser` helps to mix their candidates.
@@ -123,8 +138,18 @@ pub fn reconstruct_with_chooser(
     chooser: Option<&Chooser>,
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
+    collaborative(stack, settings, chooser, Extras::default(), monitor)
+}
+
+fn collaborative(
+    stack: &FeatureStack,
+    settings: &Settings,
+    chooser: Option<&Chooser>,
+    extras: Extras,
+    monitor: &dyn Monitor,
+) -> Result<Reconstruction, ReconstructError> {
     let features = best::guide_features(stack, &settings.best.features, monitor)?;
-    let task = Collaborative { stack, features: &features, settings, chooser };
+    let task = Collaborative::new(stack, &features, settings, chooser, extras);
     sum_of_components(stack.size(), &stack.components, |component| task.rebuilt(Cow::Borrowed(component), monitor))
 }
 
@@ -135,24 +160,32 @@ fn chooser(settings: &Settings) -> Result<Option<Chooser>, WeightsError> {
 
 /// What collaborative fits need to rebuild a component.
 struct Collaborative<'a> {
-    stack: &'a FeatureStack,
-    features: &'a GuideFeatures,
+    workshop: Workshop<'a>,
     settings: &'a Settings,
-    chooser: Option<&'a Chooser>,
 }
 
-impl Collaborative<'_> {
+impl<'a> Collaborative<'a> {
+    fn new(
+        stack: &'a FeatureStack,
+        features: &'a GuideFeatures,
+        settings: &'a Settings,
+        chooser: Option<&'a Chooser>,
+        extras: Extras<'a>,
+    ) -> Self {
+        Self { workshop: Workshop { stack, features, settings: &settings.best, chooser, extras }, settings }
+    }
+
     fn rebuilt(
         &self,
         component: Cow<'_, Component>,
         monitor: &dyn Monitor,
     ) -> Result<Reconstruction, ReconstructError> {
-        let Self { stack, features, settings, chooser } = *self;
+        let Workshop { stack, features, .. } = self.workshop;
         if component.role == ComponentRole::Scattered {
-            return best::rebuild(stack, component, features, &settings.best, chooser, monitor);
+            return self.workshop.rebuild(component, monitor);
         }
         let (radiance, variance) = (&component.radiance.mean, variance_of(stack, &component)?);
-        let mut rebuilt = rebuild_emission(radiance, &variance, &features.set, settings, monitor)?;
+        let mut rebuilt = rebuild_emission(radiance, &variance, &features.set, self.settings, monitor)?;
         best::share_unseen(&mut rebuilt.mse, &variance);
         Ok(rebuilt)
     }

@@ -22,6 +22,8 @@ pub struct Reconstruction {
     pub bandwidth: Option<Vec<f32>>,
     /// Rank k of its reduced feature space (eq. 12).
     pub rank: Option<Vec<f32>>,
+    /// Passes that were asked for, rebuilt with the weights of the scattered light.
+    pub passes: Vec<Image>,
     /// What the stack lacked, and what was used in its stead.
     pub lacks: Vec<Lack>,
 }
@@ -30,7 +32,16 @@ impl Reconstruction {
     /// `picture`, of which nothing more is known and no error.
     pub fn plain(picture: Image) -> Self {
         let mse = vec![0.0; picture.pixels()];
-        Self { picture, mse, spikes: None, marked: 0, bandwidth: None, rank: None, lacks: Vec::new() }
+        Self {
+            picture,
+            mse,
+            spikes: None,
+            marked: 0,
+            bandwidth: None,
+            rank: None,
+            passes: Vec::new(),
+            lacks: Vec::new(),
+        }
     }
 
     /// Adds a component; what there is of maps comes from whichever component has it.
@@ -40,6 +51,7 @@ impl Reconstruction {
             *total += mse;
         }
         self.marked += other.marked;
+        self.passes.extend(other.passes);
         self.spikes = self.spikes.take().or(other.spikes);
         self.bandwidth = self.bandwidth.take().or(other.bandwidth);
         self.rank = self.rank.take().or(other.rank);
@@ -70,6 +82,9 @@ pub enum ReconstructError {
         /// Layer of the component.
         layer: &'static str,
     },
+    /// Passes were asked for.
+    #[error("this method rebuilds no passes: choose --preset best or fast")]
+    NoPasses,
     /// The features cannot be used.
     #[error(transparent)]
     Prefilter(#[from] PrefilterError),
@@ -83,7 +98,7 @@ impl ReconstructError {
     pub fn fault(&self) -> Fault {
         match self {
             Self::Cancelled(_) => Fault::Interrupted,
-            Self::NoiseUnknown { .. } | Self::NoBuckets { .. } => Fault::Input,
+            Self::NoiseUnknown { .. } | Self::NoBuckets { .. } | Self::NoPasses => Fault::Input,
             Self::Prefilter(error) => error.fault(),
             Self::Weights(error) => error.fault(),
         }

@@ -38,6 +38,17 @@ impl Estimate {
         Self { mean: weighted_mean(&buckets, counts), noise: Noise::Buckets(buckets) }
     }
 
+    /// What its planes take, in bytes.
+    pub fn bytes(&self) -> usize {
+        let noise = match &self.noise {
+            Noise::Buckets(buckets) => &buckets[..],
+            Noise::VarianceOfMean(variance) => std::slice::from_ref(variance),
+            Noise::Unknown => &[],
+        };
+        let planes = noise.iter().chain([&self.mean]).flat_map(Image::channels);
+        planes.map(|plane| std::mem::size_of_val(&plane[..])).sum()
+    }
+
     /// Half-buffers A (even buckets) and B (odd ones), when there are buckets. A half without samples holds zeros.
     pub fn halves(&self, counts: &SampleCounts) -> Option<[Image; 2]> {
         let Noise::Buckets(buckets) = &self.noise else { return None };

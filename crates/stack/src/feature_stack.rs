@@ -121,6 +121,19 @@ impl FeatureStack {
         sum
     }
 
+    /// What its planes take, in bytes.
+    pub fn bytes(&self) -> usize {
+        let components = self.components.iter().map(|component| &component.radiance);
+        let estimates = components.chain(self.features.iter().map(|feature| &feature.estimate));
+        let counts = std::mem::size_of_val(&self.samples.total[..]);
+        estimates.map(Estimate::bytes).sum::<usize>() + counts + self.passed_through_bytes()
+    }
+
+    /// Those of them that nobody here interprets.
+    pub fn passed_through_bytes(&self) -> usize {
+        self.passthrough.iter().map(Passthrough::bytes).sum()
+    }
+
     /// The component of `role`, if there is one.
     pub fn component(&self, role: ComponentRole) -> Option<&Component> {
         self.components.iter().find(|c| c.role == role)

@@ -53,7 +53,7 @@ pub fn render(
         },
         "stages": stages(progress),
         "estimated_rmse": estimated_rmse(written),
-        "energy": energy(written),
+        "energy": energy(mean_radiance(&written.stack.beauty()), written.picture),
         "iterations": iterations,
         "peak_bytes": peak_bytes(),
         "seed": plan.settings.trace.seed,
@@ -74,12 +74,14 @@ pub fn estimated_rmse(written: &Written<'_>) -> Option<f64> {
 }
 
 /// Mean radiance of the noisy picture and of the result.
-pub fn energy(written: &Written<'_>) -> Value {
-    let mean = |image: &Image| {
-        let sum: f64 = image.channels().iter().flatten().map(|v| f64::from(*v)).sum();
-        sum / (3 * image.pixels()) as f64
-    };
-    json!({"noisy": mean(&written.stack.beauty()), "result": mean(written.picture)})
+pub fn energy(noisy: f64, result: &Image) -> Value {
+    json!({"noisy": noisy, "result": mean_radiance(result)})
+}
+
+/// Mean of all values.
+pub fn mean_radiance(image: &Image) -> f64 {
+    let sum: f64 = image.channels().iter().flatten().map(|v| f64::from(*v)).sum();
+    sum / (3 * image.pixels()) as f64
 }
 
 /// Largest memory the process has held, where the system tells.

@@ -19,6 +19,7 @@ use super::features::GuideFeatures;
 use super::guided_kernel::GuidedKernel;
 use super::settings::ChoiceSettings;
 use super::split::Layers;
+use crate::bands::{bands, image_rows};
 use crate::box_filter::box_mean;
 pub use chooser::Chooser;
 use chooser::softmax;
@@ -30,6 +31,12 @@ pub use weights::trained;
 /// Radius of the box that smooths weights, in pixels.
 const WEIGHT_RADIUS: usize = 2;
 
+/// Rows of a mixture that are made at once: what is known about all candidates takes more memory than anything else.
+const ROWS: usize = 128;
+
+/// How far from a pixel a choice looks, in pixels.
+pub const REACH: usize = evidence::REACH + WEIGHT_RADIUS;
+
 /// What there is to choose from, and what it is judged by.
 #[derive(Clone, Copy)]
 pub struct Contest<'a> {
@@ -37,27 +44,46 @@ pub struct Contest<'a> {
     pub candidates: &'a [[Image; 2]],
     /// The noisy halves and their variance.
     pub layers: &'a Layers,
-    /// Smooths errors.
-    pub kernel: &'a GuidedKernel,
     /// The picture that guided the candidates.
     pub pilot: &'a Image,
     /// Features.
     pub features: &'a GuideFeatures,
 }
 
-/// Both halves of the mixture of the candidates, by the rule or, where there is one, by the rule and the `chooser`.
+impl Contest<'_> {
+    /// What smooths errors.
+    fn kernel(&self, settings: &ChoiceSettings) -> GuidedKernel {
+        let ChoiceSettings { feature_scale, brightness, .. } = *settings;
+        GuidedKernel::surfaces_and_brightness(self.features, self.pilot, feature_scale, brightness)
+    }
+}
+
+/// What each candidate weighs, a channel for each, by the rule or, where there is one, by the rule and the `chooser`.
 ///
 /// # Panics
 /// When there are not [`CANDIDATES`] of them: that is a mistake in the calling code.
-pub fn choose(contest: &Contest, settings: &ChoiceSettings, chooser: Option<&Chooser>) -> [Image; 2] {
+pub fn weights(contest: &Contest, settings: &ChoiceSettings, chooser: Option<&Chooser>) -> Image {
     assert_eq!(contest.candidates.len(), CANDIDATES, "the network knows these candidates");
+    let size = contest.pilot.size();
+    let mut weights = Image::zeros(size, CANDIDATES);
+    for band in bands(size.height, ROWS, REACH) {
+        let rows = |image: &Image| image_rows(image, &band.around);
+        let candidates: Vec<_> = contest.candidates.iter().map(|halves| halves.each_ref().map(rows)).collect();
+        let (layers, features) = (contest.layers.rows(&band.around), contest.features.rows(&band.around));
+        let pilot = rows(contest.pilot);
+        let part = Contest { candidates: &candidates, layers: &layers, pilot: &pilot, features: &features };
+        band.put(&weights_at_once(&part, settings, chooser), &mut weights);
+    }
+    weights
+}
+
+fn weights_at_once(contest: &Contest, settings: &ChoiceSettings, chooser: Option<&Chooser>) -> Image {
     let weights = match chooser {
         Some(chooser) => weigh(contest, &Learned { inputs: &Inputs::new(contest, settings), chooser }),
         None => weigh(contest, &Rule { evidence: &Evidence::new(contest, settings, Scales::OfTheRule), settings }),
     };
     let size = contest.pilot.size();
-    let weights: Vec<Vec<f32>> = weights.par_iter().map(|plane| box_mean(plane, size, WEIGHT_RADIUS)).collect();
-    [0, 1].map(|half: usize| mixture(contest.candidates, &weights, half))
+    Image::from_channels(size, weights.par_iter().map(|plane| box_mean(plane, size, WEIGHT_RADIUS)).collect())
 }
 
 /// What gives candidates their weights.
@@ -121,8 +147,12 @@ impl<J: Judge> pulp::NullaryFnOnce for BlockTask<'_, J> {
     }
 }
 
-/// One half of all `candidates`, added up with their `weights`.
-pub fn mixture(candidates: &[[Image; 2]], weights: &[Vec<f32>], half: usize) -> Image {
+/// Both halves of all `candidates`, added up with their `weights`.
+pub fn mixtures(candidates: &[[Image; 2]], weights: &[Vec<f32>]) -> [Image; 2] {
+    [0, 1].map(|half: usize| mixture(candidates, weights, half))
+}
+
+fn mixture(candidates: &[[Image; 2]], weights: &[Vec<f32>], half: usize) -> Image {
     let mut mixed = Image::zeros(candidates[0][half].size(), 3);
     for (candidate, weights) in candidates.iter().zip(weights) {
         for (sum, plane) in mixed.channels_mut().iter_mut().zip(candidate[half].channels()) {

@@ -1,22 +1,14 @@
 //! The picture's own brightness where no feature tells surfaces apart.
 
-use std::borrow::Cow;
-
-use stack::{FeatureRole, FeatureStack, Image};
+use stack::Image;
 
 use super::features::GuideFeatures;
-use crate::completion::has_depth;
 
-/// `features`, and where none of them tells surfaces apart (there is no normal, and positions lie on a plane before the
-/// camera) the logarithm of `picture`, `weight` times, as another: kernels then stay on pixels of like colour.
-pub fn with_colour<'a>(
-    features: &'a GuideFeatures,
-    stack: &FeatureStack,
-    picture: &Image,
-    weight: f32,
-) -> Cow<'a, GuideFeatures> {
-    if weight == 0.0 || stack.feature(FeatureRole::Normal).is_some() || has_depth(stack) {
-        return Cow::Borrowed(features);
+/// `features`, where none of them tells surfaces apart, and the logarithm of `picture`, `weight` times, as another:
+/// kernels then stay on pixels of like colour.
+pub fn with_colour(features: &GuideFeatures, picture: &Image, weight: f32) -> Option<GuideFeatures> {
+    if weight == 0.0 || !features.flat {
+        return None;
     }
     let mut guided = features.clone();
     let first = guided.set.planes.len();
@@ -24,5 +16,5 @@ pub fn with_colour<'a>(
     guided.set.planes.extend(picture.channels().iter().map(|plane| plane.iter().map(logarithm).collect()));
     guided.set.groups.push(first..first + 3);
     guided.surfaces.extend(first..first + 3);
-    Cow::Owned(guided)
+    Some(guided)
 }

@@ -1,9 +1,13 @@
 //! Features on natural scales, freed of noise by non-local means.
 
-use stack::{Cancelled, Feature, FeatureRole, FeatureStack, Monitor, SampleCounts};
+use std::ops::Range;
+
+use stack::{Cancelled, Feature, FeatureRole, FeatureStack, Monitor, SampleCounts, Size};
 
 use super::settings::FeatureSettings;
+use crate::bands::rows_of;
 use crate::collaborative::Guide;
+use crate::completion::has_depth;
 use crate::nl_means::{nl_means, units};
 use crate::patch_distance::{Comparison, NoisyPlanes};
 use crate::prefilter::{FeatureSet, PrefilterError, VarianceSource, guides, normalised};
@@ -20,9 +24,19 @@ pub struct GuideFeatures {
     pub set: FeatureSet,
     /// Planes that tell surfaces apart: all but visibility.
     pub surfaces: Vec<usize>,
+    /// Whether those do not: there is no normal, and positions lie on a plane before the camera.
+    pub flat: bool,
 }
 
 impl GuideFeatures {
+    /// Some `rows` of all of them.
+    pub(super) fn rows(&self, rows: &Range<usize>) -> Self {
+        let FeatureSet { size, planes, groups } = &self.set;
+        let planes = planes.iter().map(|plane| rows_of(plane, *size, rows)).collect();
+        let set = FeatureSet { size: Size::new(size.width, rows.len()), planes, groups: groups.clone() };
+        Self { set, surfaces: self.surfaces.clone(), flat: self.flat }
+    }
+
     /// The planes that tell surfaces apart, multiplied by `scale`.
     pub fn scaled_surfaces(&self, scale: f32) -> Vec<Vec<f32>> {
         self.surfaces.iter().map(|plane| self.set.planes[*plane].iter().map(|v| v * scale).collect()).collect()
@@ -41,7 +55,8 @@ pub fn guide_features(
     let features = guides(stack)?;
     monitor.begin("prefilter", units(stack.size()) * features.len() as u64);
     let set = FeatureSet { size: stack.size(), planes: Vec::new(), groups: Vec::new() };
-    let mut all = GuideFeatures { set, surfaces: Vec::new() };
+    let flat = stack.feature(FeatureRole::Normal).is_none() && !has_depth(stack);
+    let mut all = GuideFeatures { set, surfaces: Vec::new(), flat };
     for feature in features {
         let planes = filtered(feature, &stack.samples, settings, monitor)?;
         let first = all.set.planes.len();

@@ -19,31 +19,42 @@ const SMALL_BANDWIDTH: f32 = 1.5;
 /// hardly more than the pixel's neighbours.
 const TINY_BANDWIDTH: f32 = 3.0;
 
+/// Radius of the patches that are compared.
+const PATCH_RADIUS: usize = 1;
+
 /// Deviations after which a Gaussian is negligible: its weight is below 10⁻⁴.
 const REACH: f32 = 4.3;
 
-/// The candidates of the second pass: both halves of the low layer rebuilt with the same weights, for three bandwidths,
-/// a small window and a tiny one; `pilot` guides them, `first` are the halves of the first pass. Reports the stage `second pass`.
+/// How far from a pixel the second pass looks, in rows: fits that predict it lie as far as a window reaches, and so do
+/// those that decide whether one of them is needed; patches reach a pixel farther.
+pub fn reach(settings: &FitSettings) -> usize {
+    2 * settings.second_radius + PATCH_RADIUS
+}
+
+/// The candidates of the second pass: two images (the halves of the low layer) rebuilt with the same weights, for three
+/// bandwidths, a small window and a tiny one; `pilot` guides them, `first` are the halves of the first pass. Reports the
+/// stage `second pass`.
 ///
 /// # Errors
 /// When `monitor` cancels.
 pub fn second_pass(
+    images: &[Image; 2],
     given: &Given,
     pilot: &Image,
     first: &[Image; 2],
     settings: &FitSettings,
     monitor: &dyn Monitor,
 ) -> Result<Vec<[Image; 2]>, Cancelled> {
-    let Given { layers, noise, samples, features } = *given;
+    let Given { noise, samples, features, .. } = *given;
     let size = features.set.size;
-    let planes: Vec<&[f32]> = layers.halves.iter().flat_map(|half| half.channels()).map(Vec::as_slice).collect();
+    let planes: Vec<&[f32]> = images.iter().flat_map(|half| half.channels()).map(Vec::as_slice).collect();
     let scale = tolerated(pilot, first, settings.tolerance);
     let importance = importance(pilot, samples, settings.relative);
     let guides = Guides {
         size,
         values: &[pilot.channels()],
         variances: &scale,
-        comparison: Comparison { patch_radius: 1, epsilon: 1e-8, noise_taken_off: 0.0 },
+        comparison: Comparison { patch_radius: PATCH_RADIUS, epsilon: 1e-8, noise_taken_off: 0.0 },
         radius: settings.second_radius,
     };
     let fitted = Fitted {

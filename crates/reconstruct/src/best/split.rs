@@ -3,10 +3,13 @@
 //! This is the paper's split into low rank and sparse (its section 4.1) where the assumption holds: across buckets the
 //! truth is the same and a firefly is in one of them.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 use stack::{Component, GroupCounts, Image, Noise, SampleCounts, Size};
 
 use super::settings::SplitSettings;
+use crate::bands::{image_rows, rows_of};
 use crate::per_pixel;
 use crate::reconstruction::ReconstructError;
 use crate::variance::{known_everywhere, steadied};
@@ -48,6 +51,18 @@ impl Events {
 }
 
 impl Layers {
+    /// Some `rows` of both layers.
+    pub fn rows(&self, rows: &Range<usize>) -> Self {
+        let Self { halves, variance, events: Events { light, energy, squares } } = self;
+        let [energy, squares] = [energy, squares].map(|plane| rows_of(plane, variance.size(), rows));
+        let light = light.each_ref().map(|image| image_rows(image, rows));
+        Self {
+            halves: halves.each_ref().map(|image| image_rows(image, rows)),
+            variance: image_rows(variance, rows),
+            events: Events { light, energy, squares },
+        }
+    }
+
     /// Σ over halves and channels of (x − y)² − v at `pixel`, x the value of one of `halves` and y the noisy one of the
     /// other half: twice the expected squared error of half a picture, if x knows nothing of y.
     pub fn cross_error(&self, halves: &[Image; 2], pixel: usize) -> f32 {

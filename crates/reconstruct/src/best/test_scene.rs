@@ -41,7 +41,8 @@ pub fn energy(image: &Image) -> f64 {
 /// Features whose every plane tells surfaces apart.
 pub fn features(size: Size, planes: Vec<Vec<f32>>) -> GuideFeatures {
     let surfaces = (0..planes.len()).collect();
-    GuideFeatures { set: FeatureSet { size, groups: std::iter::once(0..planes.len()).collect(), planes }, surfaces }
+    let set = FeatureSet { size, groups: std::iter::once(0..planes.len()).collect(), planes };
+    GuideFeatures { set, surfaces, flat: false }
 }
 
 /// One feature: 0 in the left half, 1 in the right one.

@@ -1,17 +1,28 @@
 //! The method as a whole.
 
-use stack::{Dealing, Image, SampleCounts, Silent, Size};
+use std::borrow::Cow;
 
+use stack::{Dealing, FeatureStack, Image, SampleCounts, Silent, Size};
+
+use super::halves::mean_of;
+use super::piloted::relative_noise;
+use super::split::Layers;
 use super::test_scene::{component, energy, error, flat, image, stack_of, walls};
 use super::*;
+use crate::reconstruction::Reconstruction;
 
 const SIZE: Size = Size::new(48, 48);
 
 fn run(stack: &FeatureStack) -> Reconstruction {
+    with(stack, Extras::default())
+}
+
+fn with(stack: &FeatureStack, extras: Extras) -> Reconstruction {
     let settings = BestSettings::default();
     let features = guide_features(stack, &settings.features, &Silent).unwrap();
     let (component, chooser) = (Cow::Borrowed(&stack.components[0]), trained().unwrap());
-    let found = rebuild(stack, component, &features, &settings, Some(&chooser), &Silent).unwrap();
+    let shop = Workshop { stack, features: &features, settings: &settings, chooser: Some(&chooser), extras };
+    let found = shop.rebuild(component, &Silent).unwrap();
     let values = found.picture.channels().iter().flatten().chain(&found.mse);
     assert!(values.into_iter().all(|v| v.is_finite() && *v >= 0.0), "something is negative or not a number");
     found
@@ -121,4 +132,36 @@ fn means_and_relative_noise_follow_their_formulas() {
     let noise = relative_noise(&Layers { variance: flat(SIZE, 0.4), ..layers });
     assert!(noise.iter().all(|v| (v - 0.4 / 4.001).abs() < 1e-5));
     assert_eq!(mean_of(&[flat(SIZE, 1.0), flat(SIZE, 4.0)]), flat(SIZE, 2.5));
+}
+
+#[test]
+fn bands_of_rows_make_the_same_picture() {
+    let stack = stack_of(&walls(Size::new(24, 160)), 145);
+    assert_eq!(with(&stack, Extras { rows: 48, ..Extras::default() }), run(&stack));
+}
+
+#[test]
+fn passes_add_up_and_each_resembles_its_truth() {
+    let clean = walls(SIZE);
+    let stack = stack_of(&clean, 146);
+    // Light that falls on one wall more than on the other.
+    let share = |i: usize| if 2 * (i % SIZE.width) < SIZE.width { 0.7 } else { 0.2 };
+    let part = |of: &Image, other: bool| {
+        let mut part = of.clone();
+        for plane in part.channels_mut() {
+            plane.iter_mut().enumerate().for_each(|(i, v)| *v *= if other { 1.0 - share(i) } else { share(i) });
+        }
+        part
+    };
+    let noisy = &stack.components[0].radiance.mean;
+    let passes = [part(noisy, false), part(noisy, true)];
+    let found = with(&stack, Extras { passes: &passes, ..Extras::default() });
+    assert_eq!(found.picture, run(&stack).picture);
+    let [a, b] = &found.passes[..] else { panic!("two passes") };
+    let (mut sum, truth) = (a.clone(), part(&clean, false));
+    sum.add(b);
+    assert!(error(&sum, &found.picture) < 1e-12, "{}", error(&sum, &found.picture));
+    assert!(error(a, &truth) < 0.2 * error(&passes[0], &truth), "{} {}", error(a, &truth), error(&passes[0], &truth));
+    let alone = with(&stack, Extras { passes: &passes[..1], ..Extras::default() });
+    assert!(error(&alone.passes[0], a) < 1e-4, "what is not asked for counts as a pass");
 }

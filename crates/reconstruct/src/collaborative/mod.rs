@@ -76,6 +76,13 @@ pub fn collaborate(
     Ok(kernels.iter().map(|_| means.by_ref().take(guides.values.len()).collect()).collect())
 }
 
+/// Rows after which the pattern of fits and tiles comes round again: an image that is cut there is worked on as if it
+/// were whole, but for what its borders reach.
+pub const fn period(stride: usize) -> usize {
+    const { assert!(FITS.is_multiple_of(SMALL_TILE), "small tiles fill the large ones") };
+    FITS * stride
+}
+
 /// How many units [`collaborate`] reports.
 pub fn units(size: Size, stride: usize, covered: f32) -> u64 {
     let tiles = |side: usize| tiles_of(size, side).len() as u64;

@@ -64,14 +64,17 @@ impl LayerNames {
 
 /// All layers of a file, in the order of their first channels.
 pub fn layer_list(layers: &Layers) -> Vec<LayerNames> {
+    layers_of(layers.channels.iter().map(|channel| channel.name.as_str()))
+}
+
+/// The layers that channels of these names make.
+pub fn layers_of<'a>(channels: impl Iterator<Item = &'a str>) -> Vec<LayerNames> {
     let mut list: Vec<LayerNames> = Vec::new();
-    for channel in &layers.channels {
-        let (name, suffix) = match channel.name.rsplit_once('.') {
+    for channel in channels {
+        let (name, suffix) = match channel.rsplit_once('.') {
             Some((name, suffix)) => (name, suffix),
-            None if BARE.contains(&channel.name.as_str()) || channel.name.starts_with(BIN) => {
-                ("", channel.name.as_str())
-            }
-            None => (channel.name.as_str(), ""),
+            None if BARE.contains(&channel) || channel.starts_with(BIN) => ("", channel),
+            None => (channel, ""),
         };
         // `normal.X` and a channel `normal` are two things, but nobody writes both.
         match list.iter_mut().find(|layer| layer.name == name) {

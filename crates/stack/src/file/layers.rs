@@ -32,6 +32,15 @@ pub struct Passthrough {
 }
 
 impl Passthrough {
+    /// What its values take, in bytes.
+    pub fn bytes(&self) -> usize {
+        let each = match self.samples {
+            FlatSamples::F16(_) => 2,
+            FlatSamples::F32(_) | FlatSamples::U32(_) => 4,
+        };
+        each * self.samples.len()
+    }
+
     /// The value at `pixel`, as `f32`.
     pub fn value(&self, pixel: usize) -> f32 {
         match &self.samples {

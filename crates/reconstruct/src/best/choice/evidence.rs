@@ -16,6 +16,10 @@ const MIDDLE: [usize; 2] = [2, 4];
 const DILATIONS: [usize; LEVELS] = [1, 2, 4];
 /// Levels there are.
 pub const LEVELS: usize = 3;
+
+/// How far from a pixel all that reaches: twice the dilations, one after the other.
+pub const REACH: usize = 2 * (DILATIONS[0] + DILATIONS[1] + DILATIONS[2]);
+
 /// The level that the rule looks at.
 const LEVEL_OF_RULE: usize = 1;
 
@@ -79,10 +83,11 @@ impl Evidence {
             let middle = MIDDLE.map(|k| &contest.candidates[k]);
             planes.extend(contest.candidates.iter().map(|halves| distances(halves, middle, &precision)));
         }
+        let kernel = contest.kernel(settings);
         let mut levels: Vec<Level> = Vec::with_capacity(dilations.len());
         for dilation in dilations {
             let finer = levels.last().map_or(&planes, |level| &level.planes);
-            levels.push(Level { planes: contest.kernel.smooth(finer, *dilation) });
+            levels.push(Level { planes: kernel.smooth(finer, *dilation) });
             planes = Vec::new();
         }
         Self { levels }

@@ -11,12 +11,10 @@ const SIZE: Size = Size::new(40, 30);
 /// The mixtures by the rule and by the network.
 fn run(candidates: &[[Image; 2]], layers: &Layers, clean: &Image) -> [[Image; 2]; 2] {
     let settings = ChoiceSettings::default();
-    let ChoiceSettings { feature_scale, brightness, .. } = settings;
     let features = two_halves(SIZE);
-    let kernel = GuidedKernel::surfaces_and_brightness(&features, clean, feature_scale, brightness);
-    let contest = Contest { candidates, layers, kernel: &kernel, pilot: clean, features: &features };
+    let contest = Contest { candidates, layers, pilot: clean, features: &features };
     let chooser = trained().unwrap();
-    [None, Some(&chooser)].map(|chooser| choose(&contest, &settings, chooser))
+    [None, Some(&chooser)].map(|chooser| mixtures(candidates, weights(&contest, &settings, chooser).channels()))
 }
 
 fn both(image: &Image) -> [Image; 2] {

@@ -14,7 +14,7 @@ fn settings() -> FitSettings {
 fn run(layers: &Layers, noise: f32) -> [Image; 2] {
     let (noise, features) = (vec![noise; SIZE.pixels()], two_halves(SIZE));
     let given = Given { layers, noise: &noise, samples: None, features: &features };
-    first_pass(&given, &settings(), &Silent).unwrap()
+    first_pass(&given, &settings(), &Silent).unwrap().halves
 }
 
 #[test]

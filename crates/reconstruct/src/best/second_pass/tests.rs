@@ -12,7 +12,7 @@ const SIZE: Size = Size::new(40, 30);
 fn run(layers: &Layers, pilot: &Image, settings: &FitSettings) -> Vec<[Image; 2]> {
     let (first, noise) = ([pilot.clone(), pilot.clone()], vec![0.05; SIZE.pixels()]);
     let given = Given { layers, noise: &noise, samples: None, features: &two_halves(SIZE) };
-    second_pass(&given, pilot, &first, settings, &Silent).unwrap()
+    second_pass(&layers.halves, &given, pilot, &first, settings, &Silent).unwrap()
 }
 
 fn settings() -> FitSettings {

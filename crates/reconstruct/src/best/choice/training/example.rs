@@ -8,8 +8,9 @@ use super::slope::{errors_of_rule, norm_of};
 use crate::best::choice::Contest;
 use crate::best::choice::evidence::CANDIDATES;
 use crate::best::choice::inputs::{Block, Inputs, LANES, Lanes};
+use crate::best::guide_features;
+use crate::best::piloted::Piloted;
 use crate::best::settings::BestSettings;
-use crate::best::{Prepared, guide_features};
 use crate::network::Numbers;
 use crate::reconstruction::ReconstructError;
 
@@ -67,13 +68,14 @@ impl Example {
         let layer = ComponentRole::Scattered.layer();
         let component = stack.component(ComponentRole::Scattered).ok_or(ReconstructError::NoiseUnknown { layer })?;
         let features = guide_features(stack, &settings.features, monitor)?;
-        let prepared = Prepared::new(stack, Cow::Borrowed(component), &features, settings, monitor)?;
-        let kernel = prepared.kernel(&settings.choice);
-        let contest = prepared.contest(&kernel);
+        let piloted = Piloted::new(stack, Cow::Borrowed(component), &features, settings, &[], monitor)?;
+        let Piloted { layers, first, .. } = &piloted;
+        let candidates = piloted.candidates(&layers.halves, first, &settings.regression, monitor)?;
+        let contest = piloted.contest(&candidates);
         let inputs = Inputs::new(&contest, &settings.choice);
         let pixels = sampled(&unlit(stack), seed);
         let blocks: Vec<Block> = pixels.iter().map(|pixels| inputs.block(pixels)).collect();
-        let answer = |pixels: &[usize; LANES]| Answer::new(&contest, &prepared.spread, references, pixels);
+        let answer = |pixels: &[usize; LANES]| Answer::new(&contest, &piloted.spread, references, pixels);
         let answers: Vec<Answer> = pixels.iter().map(answer).collect();
         let norm = norm_of(errors_of_rule(&blocks, &answers));
         Ok(Self { blocks, answers, norm })

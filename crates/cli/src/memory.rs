@@ -1,0 +1,161 @@
+//! How a stack is denoised within the memory there is.
+
+use std::str::FromStr;
+
+use anyhow::Result;
+use reconstruct::{Fit, Method, MethodSettings};
+use stack::{FeatureStack, Size};
+
+use crate::failure::usage;
+
+// As `peak_bytes` of `tamis denoise --json` told for two megapixels (docs/performance.md); in bytes a pixel but for the first.
+
+/// What the program itself takes, in bytes.
+const PROGRAM: f64 = 6e7;
+
+/// Beside the stack while its features are freed of noise.
+const PREPARING: f64 = 100.0;
+/// Once the stack is freed, up to the second pass.
+const REBUILDING: f64 = 495.0;
+/// Once it is freed, in the second pass as far as the whole picture is concerned …
+const KEPT: f64 = 395.0;
+/// … and as far as the rows that are made at once are.
+const AT_ONCE: f64 = 180.0;
+/// Rows around those, about.
+const MARGIN: f64 = 96.0;
+
+/// A number of bytes: `800M`, `24G`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Bytes(pub u64);
+
+impl FromStr for Bytes {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let digits = text.trim_end_matches(|c: char| c.is_ascii_alphabetic());
+        let unit = match &text[digits.len()..].to_ascii_uppercase()[..] {
+            "" | "B" => 1.0,
+            "K" | "KB" | "KIB" => 1024.0,
+            "M" | "MB" | "MIB" => 1024.0 * 1024.0,
+            "G" | "GB" | "GIB" => 1024.0 * 1024.0 * 1024.0,
+            _ => return Err(EXPECTED.into()),
+        };
+        match digits.parse::<f64>() {
+            Ok(number) if number > 0.0 && number.is_finite() => Ok(Self((number * unit) as u64)),
+            _ => Err(EXPECTED.into()),
+        }
+    }
+}
+
+const EXPECTED: &str = "expected a number of bytes, as in 800M or 24G";
+
+/// What is done to stay within a limit. The picture does not depend on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Plan {
+    /// Whether the stack is freed while it is used and, where it goes into the output, read again.
+    pub free: bool,
+    /// Rows of the second pass that are made at once.
+    pub rows: usize,
+}
+
+impl Plan {
+    /// The least work that `stack` can be denoised with in `limit` bytes, or in three quarters of the machine's memory;
+    /// `output_needs_it` when it is written again.
+    ///
+    /// # Errors
+    /// When a limit was given that cannot be kept.
+    pub fn new(
+        limit: Option<Bytes>,
+        stack: &FeatureStack,
+        method: MethodSettings,
+        output_needs_it: bool,
+    ) -> Result<Self> {
+        let collaborative = method == MethodSettings { method: Method::Ours, fit: Fit::Collaborative };
+        if !collaborative {
+            let told = "--max-memory goes with --preset best and fast: other methods hold all they have at once";
+            return if limit.is_some() { Err(usage(told)) } else { Ok(Self { free: false, rows: usize::MAX }) };
+        }
+        let most = limit.map(|limit| limit.0 as f64).or_else(|| Some(0.75 * physical_memory()? as f64));
+        let need =
+            Need { size: stack.size(), stack: stack.bytes() as f64, passed: stack.passed_through_bytes() as f64 };
+        need.plan(most.unwrap_or(f64::INFINITY), output_needs_it).map_or_else(
+            |least| match limit {
+                Some(Bytes(limit)) => Err(usage(format!(
+                    "--max-memory {limit}: this stack of {} takes about {} at least",
+                    stack.size(),
+                    in_words(least)
+                ))),
+                None => Ok(Self { free: true, rows: 1 }),
+            },
+            Ok,
+        )
+    }
+}
+
+/// A number of bytes that the flag would take.
+fn in_words(bytes: f64) -> String {
+    let mega = bytes / (1024.0 * 1024.0);
+    if mega < 1024.0 { format!("{:.0}M", mega.ceil()) } else { format!("{:.1}G", (mega / 102.4).ceil() / 10.0) }
+}
+
+/// What a stack takes, in bytes.
+#[derive(Clone, Copy, Debug)]
+struct Need {
+    size: Size,
+    stack: f64,
+    passed: f64,
+}
+
+impl Need {
+    /// The plan for `most` bytes, or the least that is needed.
+    fn plan(self, most: f64, output_needs_it: bool) -> Result<Plan, f64> {
+        let most = most - PROGRAM;
+        let pixels = self.size.pixels() as f64;
+        let whole = pixels * (KEPT + AT_ONCE).max(REBUILDING);
+        if output_needs_it && self.stack + whole <= most {
+            return Ok(Plan { free: false, rows: usize::MAX });
+        }
+        let before = (self.stack + pixels * PREPARING).max(self.passed + pixels * REBUILDING);
+        if before > most {
+            return Err(before + PROGRAM);
+        }
+        let share = ((most - self.passed) / pixels - KEPT) / AT_ONCE;
+        let rows = if share >= 1.0 { usize::MAX } else { (share * self.size.height as f64 - MARGIN).max(1.0) as usize };
+        Ok(Plan { free: true, rows })
+    }
+}
+
+/// Memory of this machine, where the system tells.
+fn physical_memory() -> Option<u64> {
+    let told = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = told.lines().find(|line| line.starts_with("MemTotal:"))?;
+    Some(line.split_whitespace().nth(1)?.parse::<u64>().ok()? * 1024)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_of_bytes_have_units() {
+        let bytes = |text: &str| text.parse::<Bytes>().map(|bytes| bytes.0);
+        assert_eq!(bytes("800M"), Ok(800 << 20));
+        assert_eq!(bytes("1.5g"), Ok(3 << 29));
+        assert_eq!(bytes("77"), Ok(77));
+        for wrong in ["", "M", "-1G", "12 parsecs", "0"] {
+            assert!(bytes(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn less_memory_frees_the_stack_then_cuts_bands_and_then_is_refused() {
+        let need = Need { size: Size::new(1000, 4000), stack: 4e6 * 364.0, passed: 0.0 };
+        let plan = |bytes_per_pixel: f64, output| need.plan(4e6 * bytes_per_pixel, output);
+        assert_eq!(plan(1000.0, true), Ok(Plan { free: false, rows: usize::MAX }));
+        assert_eq!(plan(800.0, true), Ok(Plan { free: true, rows: usize::MAX }));
+        assert_eq!(plan(1000.0, false), Ok(Plan { free: true, rows: usize::MAX }));
+        let rows = plan(520.0, false).unwrap().rows;
+        assert!((1000..4000).contains(&rows), "{rows}");
+        assert!(plan(400.0, false).unwrap_err() > 4e6 * 450.0);
+    }
+}

@@ -1,0 +1,164 @@
+//! Everything up to the second pass.
+
+use std::borrow::Cow;
+use std::ops::Range;
+
+use stack::{Cancelled, Component, FeatureStack, Image, Monitor, Noise, SampleCounts};
+
+use super::alone::split_alone;
+use super::cascade::{Parts, add_significant_residual};
+use super::choice::Contest;
+use super::colour_guide::with_colour;
+use super::features::GuideFeatures;
+use super::given::Given;
+use super::guided_kernel::GuidedKernel;
+use super::halves::{luminance, mean_of};
+use super::passes::{Pass, low_layers, through_first_pass};
+use super::settings::{BestSettings, FitSettings};
+use super::split::{self, Layers};
+use super::{first_pass, second_pass, spread};
+use crate::bands::{image_rows, rows_of};
+use crate::box_filter::box_mean;
+use crate::reconstruction::ReconstructError;
+use crate::recorruption::evenly_recorrupted_halves;
+
+/// Groups that buckets are put together in for the cascade: fewer are less work and say less about the variance.
+const CASCADE_GROUPS: usize = 4;
+
+/// Everything up to the second pass.
+#[derive(Clone)]
+pub struct Piloted<'a> {
+    pub features: Cow<'a, GuideFeatures>,
+    /// The same with colours, where they alone do not tell surfaces apart.
+    pub coloured: Option<GuideFeatures>,
+    pub layers: Layers,
+    /// Relative noise ν.
+    pub noise: Vec<f32>,
+    /// Samples of every pixel over their mean, where that counts.
+    pub samples: Option<Vec<f32>>,
+    /// Spread events.
+    pub spread: Image,
+    pub event_variance: Vec<f32>,
+    /// What guides the second pass.
+    pub pilot: Image,
+    /// Both halves of the first pass.
+    pub first: [Image; 2],
+    /// Passes, and last what the light has beside them; nothing when none are asked for.
+    pub passes: Vec<Pass>,
+}
+
+impl<'a> Piloted<'a> {
+    /// All steps up to the second pass.
+    pub fn new(
+        stack: &FeatureStack,
+        component: Cow<'_, Component>,
+        features: &'a GuideFeatures,
+        settings: &BestSettings,
+        passes: &[Image],
+        monitor: &dyn Monitor,
+    ) -> Result<Self, ReconstructError> {
+        monitor.begin("spikes", 1);
+        let layers = layers_of(&component, stack, settings)?;
+        let parts = parts_of(&component, &stack.samples);
+        let low = match passes {
+            [] => Vec::new(),
+            passes => low_layers(passes, &component.radiance.mean, &mean_of(&layers.halves)),
+        };
+        drop(component);
+        let noise = relative_noise(&layers);
+        let samples = share_of_samples(&stack.samples.total, &settings.regression);
+        let given = Given { layers: &layers, noise: &noise, samples: samples.as_deref(), features };
+        let first = first_pass::first_pass(&given, &settings.regression, monitor)?;
+        let passes = through_first_pass(low, &first, &given, &settings.regression, monitor)?;
+        let first = first.halves;
+        monitor.begin("spread", 1);
+        let mut pilot = mean_of(&first);
+        let coloured = with_colour(features, &pilot, settings.colour.guide);
+        let surfaces = coloured.as_ref().unwrap_or(features);
+        let events = spread::spread(&layers.events, &pilot, surfaces, &settings.spread);
+        let spread = spread::steadied(events.halves, &pilot, surfaces, &settings.spread, monitor)?;
+        pilot.add(&spread);
+        if let Some(parts) = parts {
+            let kernel = GuidedKernel::surfaces(surfaces, settings.cascade.feature_scale);
+            let brightness = pilot.clone();
+            add_significant_residual(&mut pilot, parts, &brightness, &kernel, &settings.cascade, monitor)?;
+        }
+        let (features, event_variance) = (Cow::Borrowed(features), events.variance);
+        Ok(Self { features, coloured, layers, noise, samples, spread, event_variance, pilot, first, passes })
+    }
+
+    /// Some rows of all that.
+    pub fn rows(&self, rows: &Range<usize>) -> Piloted<'static> {
+        let plane = |plane: &Vec<f32>| rows_of(plane, self.pilot.size(), rows);
+        Piloted {
+            features: Cow::Owned(self.features.rows(rows)),
+            coloured: self.coloured.as_ref().map(|features| features.rows(rows)),
+            layers: self.layers.rows(rows),
+            noise: plane(&self.noise),
+            samples: self.samples.as_ref().map(plane),
+            spread: image_rows(&self.spread, rows),
+            event_variance: plane(&self.event_variance),
+            pilot: image_rows(&self.pilot, rows),
+            first: self.first.each_ref().map(|half| image_rows(half, rows)),
+            passes: self.passes.iter().map(|pass| pass.rows(rows)).collect(),
+        }
+    }
+
+    /// What both regressions make of two `images`: the `first` of it, and the candidates of the second pass.
+    pub fn candidates(
+        &self,
+        images: &[Image; 2],
+        first: &[Image; 2],
+        settings: &FitSettings,
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<[Image; 2]>, Cancelled> {
+        let Self { features, layers, noise, samples, .. } = self;
+        let given = Given { layers, noise, samples: samples.as_deref(), features };
+        let mut candidates = second_pass::second_pass(images, &given, &self.pilot, &self.first, settings, monitor)?;
+        candidates.insert(0, first.clone());
+        Ok(candidates)
+    }
+
+    /// What tells surfaces apart.
+    pub fn surfaces(&self) -> &GuideFeatures {
+        self.coloured.as_ref().unwrap_or(&self.features)
+    }
+
+    pub fn contest<'b>(&'b self, candidates: &'b [[Image; 2]]) -> Contest<'b> {
+        let Self { layers, pilot, .. } = self;
+        Contest { candidates, layers, pilot, features: self.surfaces() }
+    }
+}
+
+/// Both layers: by buckets where there are any, else by what is known of the mean.
+fn layers_of(component: &Component, stack: &FeatureStack, settings: &BestSettings) -> Result<Layers, ReconstructError> {
+    match &component.radiance.noise {
+        Noise::VarianceOfMean(variance) => Ok(split_alone(&component.radiance.mean, variance)),
+        _ => split::split(component, &stack.samples, &settings.split),
+    }
+}
+
+/// Independent parts of a component for the cascade.
+fn parts_of(component: &Component, samples: &SampleCounts) -> Option<Parts> {
+    let radiance = &component.radiance;
+    match &radiance.noise {
+        Noise::VarianceOfMean(variance) => Some(Parts::halves(evenly_recorrupted_halves(&radiance.mean, variance))),
+        _ => radiance.groups(samples, CASCADE_GROUPS).map(|groups| Parts::new(groups, samples)),
+    }
+}
+
+/// Samples of every pixel over their mean; `None` where they do not count or do not differ.
+fn share_of_samples(counts: &[u32], settings: &FitSettings) -> Option<Vec<f32>> {
+    let differ = counts.windows(2).any(|pair| pair[0] != pair[1]);
+    let mean = counts.iter().map(|n| f64::from(*n)).sum::<f64>() / counts.len() as f64;
+    let share = |n: &u32| (f64::from((*n).max(1)) / mean) as f32;
+    (settings.weigh_samples && differ).then(|| counts.iter().map(share).collect())
+}
+
+/// ν = variance of a half relative to the squared luminance L² + 0.001 around it, both over 5×5 pixels.
+pub fn relative_noise(layers: &Layers) -> Vec<f32> {
+    let size = layers.variance.size();
+    let luminance = box_mean(&luminance(&mean_of(&layers.halves)), size, 2);
+    let relative = |(i, l): (usize, &f32)| layers.variance.mean_at(i) / (l * l + 1e-3);
+    box_mean(&luminance.iter().enumerate().map(relative).collect::<Vec<f32>>(), size, 2)
+}

@@ -1,0 +1,154 @@
+//! Passes: layers of light that are carried along and may be rebuilt with the picture.
+
+use exr::prelude::{FlatSamples, f16};
+
+use super::layer_list::{LayerNames, layers_of, normalise};
+use crate::{Fault, FeatureStack, Image};
+
+/// A layer of three channels among those that a stack carries along.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Pass {
+    /// Its full name.
+    pub name: String,
+    channels: [usize; 3],
+}
+
+/// A pass that was asked for cannot be found.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum PassError {
+    /// There is none of that name.
+    #[error("no pass is called '{name}': expected one of {}", list(passes))]
+    Unknown {
+        /// What was asked for.
+        name: String,
+        /// What there is.
+        passes: Vec<String>,
+    },
+    /// There are several.
+    #[error("'{name}' may be each of {}: give the full name", list(passes))]
+    Ambiguous {
+        /// What was asked for.
+        name: String,
+        /// What it may be.
+        passes: Vec<String>,
+    },
+}
+
+fn list(names: &[String]) -> String {
+    if names.is_empty() { "none (no layer of colours is carried along)".into() } else { names.join(", ") }
+}
+
+impl PassError {
+    /// Whose fault it is.
+    pub fn fault(&self) -> Fault {
+        Fault::Input
+    }
+}
+
+impl Pass {
+    /// The pass of `stack` called `name`: its full name, or what stands behind the last dot, whatever its case.
+    ///
+    /// # Errors
+    /// When there is none, or several.
+    pub fn find(stack: &FeatureStack, name: &str) -> Result<Self, PassError> {
+        let layers = layers_of(stack.passthrough.iter().map(|channel| channel.name.as_str()));
+        let passes: Vec<(LayerNames, [usize; 3])> =
+            layers.into_iter().filter_map(|layer| Some((layer.clone(), colours(stack, &layer)?))).collect();
+        let names = |passes: &[&(LayerNames, [usize; 3])]| passes.iter().map(|(layer, _)| layer.name.clone()).collect();
+        let whole = passes.iter().find(|(layer, _)| layer.name == name);
+        let alike: Vec<_> = passes.iter().filter(|(layer, _)| layer.key == normalise(name)).collect();
+        match (whole, &alike[..]) {
+            (Some((layer, channels)), _) | (None, [(layer, channels)]) => {
+                Ok(Self { name: layer.name.clone(), channels: *channels })
+            }
+            (None, []) => {
+                Err(PassError::Unknown { name: name.into(), passes: names(&passes.iter().collect::<Vec<_>>()) })
+            }
+            (None, several) => Err(PassError::Ambiguous { name: name.into(), passes: names(several) }),
+        }
+    }
+
+    /// Its values.
+    ///
+    /// # Panics
+    /// When `stack` is not the one it was found in.
+    pub fn image(&self, stack: &FeatureStack) -> Image {
+        let plane = |channel: usize| {
+            let channel = &stack.passthrough[channel];
+            (0..stack.size().pixels()).map(|pixel| channel.value(pixel)).collect()
+        };
+        Image::from_channels(stack.size(), self.channels.map(plane).into())
+    }
+
+    /// Puts `image` in its place, as the type of number that was there.
+    ///
+    /// # Panics
+    /// As [`Self::image`].
+    pub fn replace(&self, stack: &mut FeatureStack, image: Image) {
+        for (channel, plane) in self.channels.iter().zip(image.into_channels()) {
+            let samples = &mut stack.passthrough[*channel].samples;
+            *samples = match samples {
+                FlatSamples::F16(_) => FlatSamples::F16(plane.into_iter().map(f16::from_f32).collect()),
+                _ => FlatSamples::F32(plane),
+            };
+        }
+    }
+}
+
+/// Where the colours of a layer are, when it has them as floating-point numbers.
+fn colours(stack: &FeatureStack, layer: &LayerNames) -> Option<[usize; 3]> {
+    let place = |suffix: &str| {
+        let name = layer.channel(suffix)?;
+        let at = stack.passthrough.iter().position(|channel| channel.name == name)?;
+        (!matches!(stack.passthrough[at].samples, FlatSamples::U32(_))).then_some(at)
+    };
+    Some([place("R")?, place("G")?, place("B")?])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::file::Passthrough;
+    use crate::{SampleCounts, Size, Window};
+
+    fn stack() -> FeatureStack {
+        let size = Size::new(2, 1);
+        let half = |v: f32| FlatSamples::F16(vec![f16::from_f32(v); 2]);
+        let mut passthrough = Vec::new();
+        for (c, name) in ["R", "G", "B"].into_iter().enumerate() {
+            let mut push =
+                |layer: &str, samples| passthrough.push(Passthrough { name: format!("{layer}.{name}"), samples });
+            push("View.DiffDir", half(c as f32));
+            push("View.Group", FlatSamples::F32(vec![2.0; 2]));
+            push("Other.Group", FlatSamples::F32(vec![3.0; 2]));
+            push("View.Crypto", FlatSamples::U32(vec![7; 2]));
+        }
+        FeatureStack {
+            window: Window::whole(size),
+            film: size,
+            samples: SampleCounts::uniform(2, vec![1]),
+            components: Vec::new(),
+            features: Vec::new(),
+            passthrough,
+        }
+    }
+
+    #[test]
+    fn passes_are_found_by_their_names_and_keep_their_numbers() {
+        let mut stack = stack();
+        let pass = Pass::find(&stack, "diffdir").unwrap();
+        assert_eq!((pass.name.as_str(), pass.image(&stack).rgb(1)), ("View.DiffDir", [0.0, 1.0, 2.0]));
+        pass.replace(&mut stack, Image::from_channels(Size::new(2, 1), vec![vec![0.5; 2]; 3]));
+        assert_eq!(pass.image(&stack).rgb(0), [0.5; 3]);
+        assert!(matches!(stack.passthrough[0].samples, FlatSamples::F16(_)));
+        assert_eq!(Pass::find(&stack, "Other.Group").unwrap().image(&stack).rgb(0), [3.0; 3]);
+    }
+
+    #[test]
+    fn what_is_not_there_or_not_clear_is_an_error_that_lists_what_is() {
+        let told = |name| Pass::find(&stack(), name).unwrap_err().to_string();
+        assert_eq!(told("group"), "'group' may be each of View.Group, Other.Group: give the full name");
+        let all = "View.DiffDir, View.Group, Other.Group";
+        assert_eq!(told("crypto"), format!("no pass is called 'crypto': expected one of {all}"));
+    }
+}
