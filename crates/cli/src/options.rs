@@ -1,5 +1,6 @@
 //! Values of flags, read from text and checked.
 
+use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::Duration;
 
@@ -18,6 +19,32 @@ impl FromStr for Triple {
             [x, y, z] if numbers.iter().all(|n| n.is_finite()) => Ok(Self([x, y, z])),
             _ => Err("expected three finite numbers, as in 1,2.5,-3".into()),
         }
+    }
+}
+
+/// A sky: `r,g,b`, or a file.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Sky {
+    /// The same radiance everywhere.
+    Constant([f32; 3]),
+    /// A latitude-longitude map.
+    Map(PathBuf),
+}
+
+impl FromStr for Sky {
+    type Err = String;
+
+    /// What is made of digits and commas alone is meant as a radiance; all else is a file.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numeric = !text.is_empty() && text.chars().all(|c| c.is_ascii_digit() || ",.+-eE ".contains(c));
+        if !(numeric && text.contains(',')) {
+            return Ok(Self::Map(text.into()));
+        }
+        let Triple(radiance) = text.parse()?;
+        if radiance.iter().any(|c| *c < 0.0) {
+            return Err("expected radiances of at least 0".into());
+        }
+        Ok(Self::Constant(radiance))
     }
 }
 
@@ -111,6 +138,17 @@ mod tests {
         assert_eq!(duration("1.5m"), Ok(Duration::from_secs(90)));
         for wrong in ["", "s", "5", "-3s", "1e400h", "5 parsecs"] {
             assert!(duration(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_sky_is_a_radiance_or_a_file() {
+        assert_eq!("1,2,.5".parse(), Ok(Sky::Constant([1.0, 2.0, 0.5])));
+        for file in ["sky.hdr", "a,b.exr", "1", "../1,2,3.hdr"] {
+            assert_eq!(file.parse(), Ok(Sky::Map(file.into())));
+        }
+        for wrong in ["1,2", "1,2,-3", "1,2,3,4", "1e99,0,0"] {
+            assert!(wrong.parse::<Sky>().is_err(), "{wrong}");
         }
     }
 

@@ -7,6 +7,7 @@ use super::test_scenes::{
     Pieces, assert_scattered, diffuse, furnace, grey, lamp, looking_down, mean_of, peering, render,
 };
 use super::{DirectLight, FeatureHit, TraceSettings};
+use crate::environment::{Environment, EnvironmentMap};
 use crate::material::Surface;
 use crate::scene::Scene;
 
@@ -83,6 +84,62 @@ fn a_floor_under_a_lamp_is_as_bright_as_the_form_factor_says() {
     }
 }
 
+/// A map of `radiance` everywhere.
+fn flat_map(radiance: f32) -> Environment {
+    Environment::mapped(EnvironmentMap::new(16, 8, vec![[radiance; 3]; 128]))
+}
+
+#[test]
+fn a_flat_map_is_a_constant_sky() {
+    let floor = |sky| {
+        Pieces::default()
+            .quad(Vec3::new(-5.0, 0.0, 5.0), Vec3::X * 10.0, -Vec3::Z * 10.0, (diffuse(0.5), 0.0))
+            .quad(Vec3::new(1.0, 0.0, -1.0), Vec3::Z * 2.0, Vec3::Y * 2.0, (diffuse(0.3), 0.0))
+            .under_sky(Some(sky))
+    };
+    let camera = peering(Vec3::new(-3.0, 1.0, 0.0), Vec3::new(0.5, 0.0, 0.0));
+    let mean = |sky, direct_light| {
+        let settings = TraceSettings { direct_light, ..DEFAULT };
+        mean_of(&render(&floor(sky), &camera, 1024, &settings).0, ComponentRole::Scattered)
+    };
+    let constant = mean(Environment::constant(Vec3::splat(2.0)), DirectLight::Both);
+    for direct_light in [DirectLight::Both, DirectLight::Lights, DirectLight::Surfaces] {
+        assert_agree(mean(flat_map(2.0), direct_light), constant);
+    }
+}
+
+/// A floor under a map that is bright in one texel: the sum over the texel's bilinear hat, here by fine quadrature in
+/// f64 over u and v of L cos θ, the floor's irradiance.
+#[test]
+fn a_floor_under_a_map_with_one_bright_texel_is_as_bright_as_the_integral_says() {
+    let (width, height) = (32_usize, 16_usize);
+    let (column, row, peak) = (20_usize, 3_usize, 100.0_f64);
+    let mut texels = vec![[0.0; 3]; width * height];
+    texels[row * width + column] = [peak as f32; 3];
+    let hat = |i: usize, at: f64| (1.0 - (at - i as f64 - 0.5).abs()).max(0.0);
+    let (mut irradiance, fine) = (0.0, 64);
+    for j in 0..height * fine / 2 {
+        for i in 0..width * fine {
+            let (x, y) = ((i as f64 + 0.5) / fine as f64, (j as f64 + 0.5) / fine as f64);
+            let (sin, cos) = (std::f64::consts::PI * y / height as f64).sin_cos();
+            irradiance += peak * hat(column, x) * hat(row, y) * cos * sin;
+        }
+    }
+    let pi = std::f64::consts::PI;
+    irradiance *= 2.0 * pi / (width * fine) as f64 * pi / (height * fine) as f64;
+    let sky = Environment::mapped(EnvironmentMap::new(width, height, texels)).turned_to(200.0);
+    let scene = Pieces::default()
+        .quad(Vec3::new(-5.0, 0.0, 5.0), Vec3::X * 10.0, -Vec3::Z * 10.0, (diffuse(0.5), 0.0))
+        .under_sky(Some(sky));
+    for direct_light in [DirectLight::Both, DirectLight::Lights] {
+        let settings = TraceSettings { direct_light, ..DEFAULT };
+        let (stack, _) = render(&scene, &peering(Vec3::new(3.0, 1.0, 0.0), DOWN), 2048, &settings);
+        let (mean, error) = mean_of(&stack, ComponentRole::Scattered);
+        assert!(error < 3e-3 * mean, "too noisy to tell: {mean} ± {error}");
+        assert_scattered(&stack, 0.5 * irradiance / pi, 0.0);
+    }
+}
+
 #[test]
 fn mirrors_and_glass_keep_all_light_of_a_uniform_sky() {
     for (surface, slack) in [
@@ -144,8 +201,12 @@ fn busy() -> Scene {
 }
 
 fn busy_mean(settings: TraceSettings) -> (f64, f64) {
+    scene_mean(&busy(), settings)
+}
+
+fn scene_mean(scene: &Scene, settings: TraceSettings) -> (f64, f64) {
     let camera = crate::camera::CameraDescription::looking(Vec3::new(1.0, 1.0, 5.0), Vec3::ZERO);
-    let (stack, report) = render(&busy(), &camera.on(Size::new(12, 12)).unwrap(), 512, &settings);
+    let (stack, report) = render(scene, &camera.on(Size::new(12, 12)).unwrap(), 512, &settings);
     assert_eq!(report.not_finite, 0);
     mean_of(&stack, ComponentRole::Scattered)
 }

@@ -54,7 +54,7 @@ impl<'a> PathTracer<'a> {
     fn leave_scene(&self, path: &mut Path, bounce: u32) {
         let direction = path.ray.direction;
         let share = self.found_share(path.departure, |from| self.lights.sky_pdf(from.normal, direction));
-        path.add_emission(share * self.lights.sky_radiance());
+        path.add_emission(share * self.lights.sky_radiance(direction));
         if !path.settled {
             path.set_features(features::of_miss(&path.ray, self.scene.bounds()), true, bounce == 0);
         }

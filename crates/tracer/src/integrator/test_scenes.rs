@@ -5,6 +5,7 @@ use stack::{ComponentRole, FeatureStack, Silent, Size, Window};
 
 use super::{TraceReport, TraceSettings, trace};
 use crate::camera::{Camera, CameraDescription};
+use crate::environment::Environment;
 use crate::film::Film;
 use crate::material::{Colour, Material, Surface};
 use crate::scene::{Instance, Mesh, Placement, Scene};
@@ -73,9 +74,13 @@ impl Pieces {
     }
 
     pub(super) fn under(self, sky: Option<f32>) -> Scene {
+        self.under_sky(sky.map(|radiance| Environment::constant(Vec3::splat(radiance))))
+    }
+
+    pub(super) fn under_sky(self, sky: Option<Environment>) -> Scene {
         let stand = |mesh| Instance { mesh, placement: Placement::IDENTITY };
         let instances = (0..self.meshes.len()).map(stand).collect();
-        Scene::new(self.meshes, instances, self.materials, sky.map(Vec3::splat)).unwrap()
+        Scene::new(self.meshes, instances, self.materials, sky).unwrap()
     }
 }
 

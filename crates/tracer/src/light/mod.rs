@@ -1,4 +1,4 @@
-//! Where light comes from: triangles that emit, and a constant sky.
+//! Where light comes from: triangles that emit, and the sky.
 //!
 //! A light is chosen in proportion to its power, so its share of the samples does not depend on where they are needed.
 
@@ -38,20 +38,21 @@ pub struct LightSample {
 pub struct Lights<'a> {
     scene: &'a Scene,
     triangles: AliasTable,
-    sky: Option<Sky>,
+    sky: Option<Sky<'a>>,
     /// Of 2³² choices, those that take the sky.
     sky_choices: u64,
 }
 
 impl<'a> Lights<'a> {
     /// The lights of `scene`. A triangle's power is π A L; the sky's is what falls on a sphere round the scene from
-    /// outside, 4π² r² L.
+    /// outside, 4π² r² L, L being its mean.
     pub fn new(scene: &'a Scene) -> Self {
         let power = |e: &crate::scene::EmissiveTriangle| f64::from(PI * e.area) * mean(e.radiance);
         let triangles = AliasTable::new(&scene.emitters.iter().map(power).collect::<Vec<_>>());
-        let sky = scene.environment.map(|radiance| Sky { radiance });
+        let sky = scene.environment.as_ref().map(|environment| Sky { environment });
         let radius = f64::from(scene.bounds().max.distance(scene.bounds().min)) / 2.0;
-        let sky_power = scene.environment.map_or(0.0, |l| 4.0 * f64::from(PI * PI) * radius * radius * mean(l));
+        let sky_power =
+            scene.environment.as_ref().map_or(0.0, |e| 4.0 * f64::from(PI * PI) * radius * radius * mean(e.mean()));
         let share = match (sky_power > 0.0, triangles.total() > 0.0) {
             (false, _) => 0.0,
             (true, false) => 1.0,
@@ -92,9 +93,9 @@ impl<'a> Lights<'a> {
         if triangle.normal.dot(seen.outgoing) > 0.0 { triangle.radiance } else { Vec3::ZERO }
     }
 
-    /// Radiance of the sky.
-    pub fn sky_radiance(&self) -> Vec3 {
-        self.sky.map_or(Vec3::ZERO, |sky| sky.radiance)
+    /// Radiance of the sky at `direction`.
+    pub fn sky_radiance(&self, direction: Vec3) -> Vec3 {
+        self.sky.map_or(Vec3::ZERO, |sky| sky.environment.radiance(direction))
     }
 
     fn sky_share(&self) -> f32 {

@@ -2,6 +2,7 @@ use std::f32::consts::FRAC_1_PI;
 
 use super::*;
 use crate::bsdf::chi_square::{Random, integral};
+use crate::environment::Environment;
 use crate::material::{Colour, Material, Surface};
 use crate::scene::{Instance, Mesh, Placement};
 
@@ -19,7 +20,13 @@ fn scene(size: f32, height: f32, sky: Option<Vec3>) -> Scene {
         ..Mesh::default()
     };
     let stand = Instance { mesh: 0, placement: Placement::IDENTITY };
-    Scene::new(vec![mesh], vec![stand], vec![material(Vec3::splat(2.0)), material(Vec3::ZERO)], sky).unwrap()
+    Scene::new(
+        vec![mesh],
+        vec![stand],
+        vec![material(Vec3::splat(2.0)), material(Vec3::ZERO)],
+        sky.map(Environment::constant),
+    )
+    .unwrap()
 }
 
 /// A point of a floor facing up.

@@ -3,6 +3,7 @@
 mod closest;
 mod description;
 mod emitters;
+mod environment_file;
 mod error;
 mod guess;
 mod instance;
@@ -12,20 +13,21 @@ mod mesh;
 mod mtl;
 mod notes;
 mod obj;
+mod picture_file;
 mod source;
 mod surface;
-
-use glam::Vec3;
 
 pub use crate::bvh::{Bounds, Placement};
 pub use description::{RawRender, RenderEntry, nearest_name};
 pub use emitters::EmissiveTriangle;
+pub use environment_file::read_environment;
 pub use error::{Place, SceneError};
 pub use guess::{Guess, guess_camera, guess_environment};
 pub use instance::Instance;
 pub use load::{Loaded, load};
 pub use mesh::{Dropped, Mesh};
 
+use crate::environment::Environment;
 use crate::material::Material;
 use instance::{InstanceTree, Placed};
 use mesh::IndexedMesh;
@@ -37,8 +39,8 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// Every triangle that emits, in scene space.
     pub emitters: Vec<EmissiveTriangle>,
-    /// Radiance of a constant sky, if there is one.
-    pub environment: Option<Vec3>,
+    /// The sky, if there is one.
+    pub environment: Option<Environment>,
     meshes: Vec<IndexedMesh>,
     placed: Vec<Placed>,
     /// Tree over `placed`, when there is more than one.
@@ -58,7 +60,7 @@ impl Scene {
         meshes: Vec<Mesh>,
         instances: Vec<Instance>,
         materials: Vec<Material>,
-        environment: Option<Vec3>,
+        environment: Option<Environment>,
     ) -> Result<Self, SceneError> {
         mesh::check(&meshes, &instances, materials.len())?;
         let mut dropped = Dropped::default();

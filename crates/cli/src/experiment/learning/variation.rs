@@ -7,6 +7,7 @@ use anyhow::{Context, Result};
 use glam::Vec3;
 use reconstruct::network::Numbers;
 use tracer::camera::CameraDescription;
+use tracer::environment::Environment;
 use tracer::material::Material;
 use tracer::scene::{Loaded, load};
 
@@ -37,7 +38,7 @@ fn varied(loaded: &Loaded, files: &[&str], place: &Path, numbers: &mut Numbers) 
     if let Some((_, camera)) = loaded.cameras.first() {
         text.push_str(&camera_table(&varied_camera(camera, numbers)));
     }
-    if let Some(sky) = loaded.scene.environment {
+    if let Some(sky) = loaded.scene.environment.as_ref().and_then(Environment::constant_radiance) {
         let _ = write!(text, "[environment]\ncolor = {:?}\n\n", varied_light(sky, 1.5, numbers).to_array());
     }
     for file in files {

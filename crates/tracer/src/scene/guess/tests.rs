@@ -88,7 +88,7 @@ fn a_sky_is_assumed_where_nothing_emits() {
     assert_eq!(guess_environment(&cube(&[], false, false)).unwrap().value, Vec3::ONE);
     assert_eq!(guess_environment(&cube(&[], false, true)), None);
     let mut scene = cube(&[], false, false);
-    scene.environment = Some(Vec3::ZERO);
+    scene.environment = Some(crate::environment::Environment::constant(Vec3::ZERO));
     assert_eq!(guess_environment(&scene), None);
 }
 

@@ -72,10 +72,29 @@ fn cameras_are_one_or_many() {
 
 #[test]
 fn the_sky_is_colour_times_scale() {
-    let sky = |table: &str| loaded(&format!("{table}\n{GEOMETRY}")).scene.environment;
+    let sky =
+        |table: &str| loaded(&format!("{table}\n{GEOMETRY}")).scene.environment.and_then(|e| e.constant_radiance());
     assert_eq!(sky("[environment]\ncolor = [1, 2, 3]\nscale = 0.5"), Some(Vec3::new(0.5, 1.0, 1.5)));
     assert_eq!(sky("[environment]"), Some(Vec3::ONE));
     assert_eq!(sky(""), None);
+}
+
+#[test]
+fn the_sky_may_be_a_map_that_is_turned_and_scaled() {
+    let scene = format!("[environment]\nfile = \"SKY.pfm\"\nrotate = 90\nscale = 2\n{GEOMETRY}");
+    let folder = folder(&scene);
+    let planes = vec![vec![1.0, 3.0]; 3];
+    let image = stack::Image::from_channels(stack::Size::new(2, 1), planes);
+    stack::file::write_picture(&folder.path().join("sky.pfm"), &image).unwrap();
+    let sky = load(&folder.path().join("scene.toml")).unwrap().scene.environment.unwrap();
+    // The map is 1 round +x and 3 round −x; a quarter turn takes +x to −z.
+    let at = |direction| sky.radiance(direction).x;
+    assert!((at(-Vec3::Z) - 2.0).abs() < 1e-4 && (at(Vec3::Z) - 6.0).abs() < 1e-4);
+    let map = |rest: &str| refusal(&format!("{GEOMETRY}[environment]\nfile = \"a.mtl\"\n{rest}\n"));
+    assert_eq!(map("color = [1, 1, 1]"), "scene.toml:5: expected either file or color, found both");
+    assert_eq!(map("scale = -1"), "scene.toml:5: expected a factor of 0 or more, found -1");
+    assert!(map("rotate = 5").starts_with("a.mtl: cannot be read as a picture"));
+    assert!(refusal(&format!("{GEOMETRY}[environment]\nfile = \"none.hdr\"\n")).contains("none.hdr: no such file"));
 }
 
 #[test]
