@@ -34,7 +34,7 @@ fn soup() -> Scene {
     }
     let whole = Instance { mesh: 0, placement: Placement::IDENTITY };
     let surface = Surface::Diffuse { reflectance: Colour::constant(Vec3::splat(0.5)) };
-    let grey = Material { name: "grey".into(), surface, emission: Vec3::ZERO };
+    let grey = Material::new("grey", surface, Vec3::ZERO);
     Scene::new(vec![mesh], vec![whole], vec![grey], None).expect("a cube full of triangles")
 }
 

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
-use crate::texture::Texture;
+use crate::texture::{GreyTexture, Texture};
 
 /// A colour that may vary over the surface: a constant, times a texture when there is one. Linear RGB.
 #[derive(Clone, Debug)]
@@ -20,6 +20,53 @@ impl Colour {
     pub const fn constant(factor: Vec3) -> Self {
         Self { factor, texture: None }
     }
+
+    /// The colour at texture coordinates `uv`.
+    #[inline]
+    pub fn at(&self, uv: Vec2) -> Vec3 {
+        self.factor * self.texture.as_ref().map_or(Vec3::ONE, |texture| texture.lookup(uv))
+    }
+
+    /// Its mean over the texture.
+    pub fn mean(&self) -> Vec3 {
+        self.factor * self.texture.as_ref().map_or(Vec3::ONE, |texture| texture.mean())
+    }
+}
+
+/// A number that may vary over the surface: a constant, times a texture when there is one.
+#[derive(Clone, Debug)]
+pub struct Grey {
+    /// The constant.
+    pub factor: f32,
+    /// Multiplied with the constant.
+    pub texture: Option<Arc<GreyTexture>>,
+}
+
+impl Grey {
+    /// The same number everywhere.
+    pub const fn constant(factor: f32) -> Self {
+        Self { factor, texture: None }
+    }
+
+    /// The number at texture coordinates `uv`.
+    #[inline]
+    pub fn at(&self, uv: Vec2) -> f32 {
+        self.factor * self.texture.as_ref().map_or(1.0, |texture| texture.lookup(uv))
+    }
+}
+
+/// What may vary over a surface beside its colours.
+#[derive(Clone, Debug, Default)]
+pub struct SurfaceMaps {
+    /// Share of the surface that is there, 0 … 1; rays pass through the rest as if it were not.
+    pub opacity: Option<Grey>,
+    /// Normals in the tangent frame of the texture coordinates (+x along u, +y along v, +z outwards), each component
+    /// moved from −1 … 1 to 0 … 1.
+    pub normals: Option<Arc<Texture>>,
+    /// Multiplied with the surface's roughness, whose square α is.
+    pub roughness: Option<Arc<GreyTexture>>,
+    /// Share of a coated surface that is metal of the base's colour, 0 … 1.
+    pub metallic: Option<Grey>,
 }
 
 /// How a surface scatters light.
@@ -68,5 +115,19 @@ pub struct Material {
     /// How it scatters.
     pub surface: Surface,
     /// Emitted radiance on the side the geometric normal points to; zero for most.
-    pub emission: Vec3,
+    pub emission: Colour,
+    /// What else varies.
+    pub maps: SurfaceMaps,
+}
+
+impl Material {
+    /// A material that emits the same everywhere and has no maps.
+    pub fn new(name: impl Into<String>, surface: Surface, emission: Vec3) -> Self {
+        Self { name: name.into(), surface, emission: Colour::constant(emission), maps: SurfaceMaps::default() }
+    }
+
+    /// Whether any of it emits.
+    pub fn emits(&self) -> bool {
+        self.emission.factor != Vec3::ZERO
+    }
 }

@@ -127,7 +127,10 @@ fn above(direction: Vec3) -> Vec3 {
 
 /// The lobe and the albedo feature of `interaction`'s material, seen from the outside or not, with cosine `cosine`.
 fn lobe_at(interaction: &Interaction, outside: bool, cosine: f32) -> (Lobe, Vec3) {
-    let colour = |colour: &Colour| colour_at(colour, interaction.uv);
+    let uv = interaction.uv;
+    let colour = |colour: &Colour| colour_at(colour, uv);
+    let maps = &interaction.material.maps;
+    let roughness = |alpha: &f32| maps.roughness.as_ref().map_or(*alpha, |map| alpha * map.lookup(uv).powi(2));
     match &interaction.material.surface {
         Surface::Diffuse { reflectance } => {
             let reflectance = colour(reflectance);
@@ -144,14 +147,24 @@ fn lobe_at(interaction: &Interaction, outside: bool, cosine: f32) -> (Lobe, Vec3
         }
         Surface::Conductor { reflectance, alpha } => {
             let reflectance = colour(reflectance);
-            (conductor(reflectance, *alpha, cosine), reflectance)
+            (conductor(reflectance, roughness(alpha), cosine), reflectance)
         }
         Surface::Coated { diffuse, specular, alpha } => {
             let (diffuse, specular) = (colour(diffuse), colour(specular));
-            let albedo = specular + (Vec3::ONE - specular) * diffuse;
-            (Lobe::Coated(Coated::new(diffuse, specular, *alpha, cosine)), albedo)
+            let metallic = maps.metallic.as_ref().map_or(0.0, |metallic| metallic.at(uv).clamp(0.0, 1.0));
+            coated(diffuse, specular, roughness(alpha), metallic, cosine)
         }
     }
+}
+
+/// A coated base, of which the share `metallic` is a metal of its colour.
+fn coated(base: Vec3, coat: Vec3, alpha: f32, metallic: f32, cosine: f32) -> (Lobe, Vec3) {
+    if metallic >= 1.0 {
+        return (conductor(base, alpha, cosine), base);
+    }
+    let (diffuse, specular) = ((1.0 - metallic) * base, coat.lerp(base, metallic));
+    let albedo = specular + (Vec3::ONE - specular) * diffuse;
+    (Lobe::Coated(Coated::new(diffuse, specular, alpha, cosine)), albedo)
 }
 
 fn conductor(reflectance: Vec3, alpha: f32, cosine: f32) -> Lobe {
@@ -164,8 +177,7 @@ fn conductor(reflectance: Vec3, alpha: f32, cosine: f32) -> Lobe {
 
 /// `colour` at texture coordinates `uv`, clamped to 0 … 1.
 fn colour_at(colour: &Colour, uv: Vec2) -> Vec3 {
-    let texel = colour.texture.as_ref().map_or(Vec3::ONE, |texture| texture.lookup(uv));
-    (colour.factor * texel).clamp(Vec3::ZERO, Vec3::ONE)
+    colour.at(uv).clamp(Vec3::ZERO, Vec3::ONE)
 }
 
 #[cfg(test)]
@@ -174,7 +186,7 @@ mod tests {
     use crate::material::Material;
 
     fn material(surface: Surface) -> Material {
-        Material { name: "test".into(), surface, emission: Vec3::ZERO }
+        Material::new("test", surface, Vec3::ZERO)
     }
 
     fn seen(material: &Material, normals: [Vec3; 2], outgoing: Vec3) -> Bsdf {

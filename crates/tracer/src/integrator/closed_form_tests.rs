@@ -1,5 +1,7 @@
 //! Whole pictures against closed forms.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 use stack::{ComponentRole, FeatureRole, FeatureStack, Size};
 
@@ -8,8 +10,9 @@ use super::test_scenes::{
 };
 use super::{DirectLight, FeatureHit, TraceSettings};
 use crate::environment::{Environment, EnvironmentMap};
-use crate::material::Surface;
+use crate::material::{Grey, Surface};
 use crate::scene::Scene;
+use crate::texture::{GreyTexture, Texture};
 
 const DEFAULT: TraceSettings = TraceSettings::DEFAULT;
 const DOWN: Vec3 = Vec3::new(0.0, 0.0, 0.0);
@@ -177,6 +180,41 @@ fn rough_surfaces_never_gain_light() {
             assert!(mean > least - 4.0 * error, "{surface:?}: {mean} ± {error}");
         }
     }
+}
+
+/// A lamp whose left half is half as bright and whose right half is half a hole emits like one of half the radiance. The
+/// texture is so wide that its blended seams do not matter.
+#[test]
+fn lamps_with_textures_and_holes_shine_as_much_as_there_is_of_them() {
+    let half = |left: f32, right: f32| (0..64).map(move |i| if i < 32 { left } else { right });
+    let mut pieces = Pieces::default()
+        .quad(Vec3::new(-5.0, 0.0, 5.0), Vec3::X * 10.0, -Vec3::Z * 10.0, (diffuse(0.5), 0.0))
+        .quad(Vec3::new(-1.0, 1.5, -0.5), Vec3::X * 2.0, Vec3::Z, lamp(6.0));
+    let lamp = pieces.last_material();
+    let bright = Texture { clamp: true, ..Texture::new(64, 1, half(0.5, 1.0).map(|c| [c; 3]).collect()) };
+    lamp.emission.texture = Some(Arc::new(bright));
+    let holes = GreyTexture { clamp: true, ..GreyTexture::new(64, 1, half(1.0, 0.5).collect()) };
+    lamp.maps.opacity = Some(Grey { factor: 1.0, texture: Some(Arc::new(holes)) });
+    let scene = pieces.under(None);
+    let expected = 0.5 * 3.0 * 4.0 * corner_form_factor(1.0, 0.5, 1.5);
+    for direct_light in [DirectLight::Both, DirectLight::Lights, DirectLight::Surfaces] {
+        let settings = TraceSettings { direct_light, ..DEFAULT };
+        let (stack, _) = render(&scene, &peering(Vec3::new(3.0, 1.0, 0.0), DOWN), 1024, &settings);
+        assert_scattered(&stack, expected, 3e-3);
+    }
+}
+
+/// Under a veil of opacity 0.25 that is black, three quarters of the light arrive, and three quarters of it are seen
+/// through the veil.
+#[test]
+fn a_black_veil_dims_what_it_hangs_before() {
+    let mut pieces = Pieces::default()
+        .quad(Vec3::new(-50.0, 0.0, 50.0), Vec3::X * 100.0, -Vec3::Z * 100.0, (diffuse(0.5), 0.0))
+        .quad(Vec3::new(-50.0, 1.0, 50.0), Vec3::X * 100.0, -Vec3::Z * 100.0, (diffuse(0.0), 0.0));
+    pieces.last_material().maps.opacity = Some(Grey::constant(0.25));
+    let scene = pieces.under(Some(1.0));
+    let (stack, _) = render(&scene, &peering(Vec3::new(0.3, 3.0, 0.0), DOWN), 1024, &DEFAULT);
+    assert_scattered(&stack, 0.5 * 0.75 * 0.75, 1e-3);
 }
 
 /// A scene in which every technique matters: lamp, sky, gloss, glass and several bounces.

@@ -1,6 +1,6 @@
 //! Small scenes whose pictures are known in closed form.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use stack::{ComponentRole, FeatureStack, Silent, Size, Window};
 
 use super::{TraceReport, TraceSettings, trace};
@@ -32,15 +32,23 @@ pub(super) struct Pieces {
 impl Pieces {
     fn add(mut self, positions: Vec<Vec3>, triangles: Vec<[u32; 3]>, (surface, emission): (Surface, f32)) -> Self {
         let material = self.materials.len() as u32;
-        self.materials.push(Material { name: format!("m{material}"), surface, emission: Vec3::splat(emission) });
+        self.materials.push(Material::new(format!("m{material}"), surface, Vec3::splat(emission)));
         let materials = vec![material; triangles.len()];
         self.meshes.push(Mesh { positions, triangles, materials, ..Mesh::default() });
         self
     }
 
+    /// The material of the piece added last.
+    pub(super) fn last_material(&mut self) -> &mut Material {
+        self.materials.last_mut().unwrap()
+    }
+
     /// A parallelogram; its front is the side `a` × `b` points to.
     pub(super) fn quad(self, corner: Vec3, a: Vec3, b: Vec3, material: (Surface, f32)) -> Self {
-        self.add(vec![corner, corner + a, corner + a + b, corner + b], vec![[0, 1, 2], [0, 2, 3]], material)
+        let mut with =
+            self.add(vec![corner, corner + a, corner + a + b, corner + b], vec![[0, 1, 2], [0, 2, 3]], material);
+        with.meshes.last_mut().unwrap().uvs = vec![Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y];
+        with
     }
 
     /// A unit sphere round the origin of flat triangles, scaled by `radius`; turned inside out when that is negative.

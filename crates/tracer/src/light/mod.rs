@@ -71,7 +71,8 @@ impl<'a> Lights<'a> {
         }
         let rest = CHOICES - self.sky_choices;
         let index = self.triangles.sample_index(((choice - self.sky_choices) * CHOICES / rest) as u32)?;
-        let sample = triangle::sample(&self.scene.emitters[index], from, u)?;
+        let light = &self.scene.emitters[index];
+        let sample = triangle::sample(light, &self.scene.materials[light.material as usize], from, u)?;
         Some(scaled(sample, self.triangle_share(index)))
     }
 
@@ -90,7 +91,11 @@ impl<'a> Lights<'a> {
     /// Radiance that emitter `emitter` sends back along the ray that ended at `seen`; it emits on one side only.
     pub fn emitted(&self, emitter: u32, seen: &Interaction) -> Vec3 {
         let triangle = &self.scene.emitters[emitter as usize];
-        if triangle.normal.dot(seen.outgoing) > 0.0 { triangle.radiance } else { Vec3::ZERO }
+        match triangle.normal.dot(seen.outgoing) > 0.0 {
+            false => Vec3::ZERO,
+            true if triangle.varies => seen.material.emission.at(seen.uv),
+            true => triangle.radiance,
+        }
     }
 
     /// Radiance of the sky at `direction`.

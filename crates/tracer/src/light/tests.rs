@@ -9,7 +9,7 @@ use crate::scene::{Instance, Mesh, Placement};
 /// A lamp of `size` × `size` at height `height` over the origin, shining down, and an unlit triangle far below.
 fn scene(size: f32, height: f32, sky: Option<Vec3>) -> Scene {
     let dull = Surface::Diffuse { reflectance: Colour::constant(Vec3::ZERO) };
-    let material = |emission| Material { name: "m".into(), surface: dull.clone(), emission };
+    let material = |emission| Material::new("m", dull.clone(), emission);
     let h = 0.5 * size;
     let corner = |x: f32, z: f32| Vec3::new(x, height, z);
     let far = Vec3::new(0.0, -50.0, 0.0);

@@ -1,6 +1,6 @@
 //! Triangles that emit.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::instance::Placed;
 use super::mesh::IndexedMesh;
@@ -15,8 +15,14 @@ pub struct EmissiveTriangle {
     pub normal: Vec3,
     /// Area, in squared scene units.
     pub area: f32,
-    /// Emitted radiance, the same in all directions of that side.
+    /// Emitted radiance, the same in all directions of that side; its mean where it varies.
     pub radiance: Vec3,
+    /// Texture coordinates of the corners.
+    pub uvs: [Vec2; 3],
+    /// Index of its material.
+    pub material: u32,
+    /// Whether emission or opacity vary over it.
+    pub varies: bool,
 }
 
 /// Lists the emitters of `placed`, in the order of its mesh's emissive triangles.
@@ -29,14 +35,23 @@ pub(super) fn emitters_of<'a>(
         let vertices = placed.corners(mesh, t as u32);
         let cross = placed.cross(vertices);
         let normal = cross.normalize().as_vec3();
-        let radiance = materials[mesh.mesh.materials[t] as usize].emission;
-        EmissiveTriangle { vertices, normal, area: (0.5 * cross.length()) as f32, radiance }
+        let index = mesh.mesh.materials[t];
+        let material = &materials[index as usize];
+        EmissiveTriangle {
+            vertices,
+            normal,
+            area: (0.5 * cross.length()) as f32,
+            radiance: material.emission.mean(),
+            uvs: mesh.mesh.corner_uvs(t as u32),
+            material: index,
+            varies: material.emission.texture.is_some() || material.maps.opacity.is_some(),
+        }
     })
 }
 
 /// Whether triangle `triangle` of `mesh` emits.
 fn emits(mesh: &IndexedMesh, triangle: usize, materials: &[Material]) -> bool {
-    materials[mesh.mesh.materials[triangle] as usize].emission != Vec3::ZERO
+    materials[mesh.mesh.materials[triangle] as usize].emits()
 }
 
 /// For each triangle of `mesh` its rank among those that emit; `u32::MAX` for the others. Empty when none does.

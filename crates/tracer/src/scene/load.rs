@@ -117,13 +117,15 @@ impl Parts {
     fn finish(self, description: SceneDescription, environment: Option<Environment>) -> Result<Loaded, SceneError> {
         let start = Instant::now();
         let scene = Scene::new(self.meshes, self.instances, self.materials, environment)?;
+        let mut notes = self.notes;
+        scene.dropped().said().into_iter().for_each(|note| notes.add(note));
         Ok(Loaded {
             build_seconds: start.elapsed().as_secs_f64(),
             triangles: scene.triangles(),
             dropped: scene.dropped(),
             scene,
             cameras: description.cameras,
-            notes: self.notes.into_lines(),
+            notes: notes.into_lines(),
             render: description.render,
         })
     }

@@ -1,6 +1,7 @@
 //! What is rendered: meshes, materials, emitters, sky; and how files become one.
 
 mod closest;
+mod cut_out;
 mod description;
 mod emitters;
 mod environment_file;
@@ -14,6 +15,7 @@ mod mtl;
 mod notes;
 mod obj;
 mod picture_file;
+mod relief;
 mod source;
 mod surface;
 
@@ -65,7 +67,8 @@ impl Scene {
         mesh::check(&meshes, &instances, materials.len())?;
         let mut dropped = Dropped::default();
         let (meshes, stands) = instance::merge_single(meshes, &instances);
-        let meshes: Vec<_> = meshes.into_iter().map(|mesh| IndexedMesh::build(mesh, &mut dropped)).collect();
+        let meshes: Vec<_> =
+            meshes.into_iter().map(|mesh| IndexedMesh::build(mesh, &materials, &mut dropped)).collect();
         let (placed, emitters) = instance::place(&meshes, &stands, &materials);
         let bounds = placed.iter().map(|p| p.bounds).reduce(Bounds::union);
         let bounds = bounds.ok_or(SceneError::Empty { dropped })?;

@@ -25,7 +25,21 @@ pub(super) fn linear_rgb(image: &DynamicImage) -> ([usize; 2], Vec<[f32; 3]>) {
         }
         _ => image.to_rgb32f().pixels().map(|p| p.0.map(srgb_to_linear)).collect(),
     };
-    ([image.width() as usize, image.height() as usize], texels)
+    (size(image), texels)
+}
+
+/// Width and height, and pixels as they stand, without a transfer function: 0 … 1 where they are integers.
+pub(super) fn plain_rgb(image: &DynamicImage) -> ([usize; 2], Vec<[f32; 3]>) {
+    (size(image), image.to_rgb32f().pixels().map(|p| p.0).collect())
+}
+
+/// Width and height, and red, green, blue and alpha as they stand; alpha is 1 where there is none.
+pub(super) fn plain_rgba(image: &DynamicImage) -> ([usize; 2], Vec<[f32; 4]>) {
+    (size(image), image.to_rgba32f().pixels().map(|p| p.0).collect())
+}
+
+fn size(image: &DynamicImage) -> [usize; 2] {
+    [image.width() as usize, image.height() as usize]
 }
 
 fn is_linear(image: &DynamicImage) -> bool {

@@ -5,6 +5,7 @@ use glam::{Vec2, Vec3};
 use super::Scene;
 use super::instance::Placed;
 use super::mesh::Mesh;
+use super::relief;
 use crate::Ray;
 use crate::bvh::TriangleHit;
 use crate::interaction::Interaction;
@@ -21,17 +22,26 @@ impl Scene {
         let corners = placed.corners(indexed, hit.triangle);
         let weighted: [Vec3; 3] = std::array::from_fn(|i| hit.barycentric[i] * corners[i]);
         let geometric_normal = placed.cross(corners).normalize().as_vec3();
+        let material = &self.materials[mesh.materials[hit.triangle as usize] as usize];
+        let smooth = shading_normal(mesh, placed, hit, geometric_normal);
+        let uv = mesh.uv(hit);
+        let shading_normal = match &material.maps.normals {
+            Some(map) => {
+                relief::normal(map.lookup(uv), smooth, geometric_normal, corners, mesh.corner_uvs(hit.triangle))
+            }
+            None => smooth,
+        };
         Interaction {
             position: weighted[0] + weighted[1] + weighted[2],
             position_error: GAMMA_7 * (weighted[0].abs() + weighted[1].abs() + weighted[2].abs()),
             geometric_normal,
-            shading_normal: shading_normal(mesh, placed, hit, geometric_normal),
-            uv: uv(mesh, hit),
+            shading_normal,
+            uv,
             outgoing: -ray.direction,
             distance: hit.distance,
             time: ray.time,
             emitter: placed.emitters.get(hit.triangle as usize).copied().filter(|&e| e != u32::MAX),
-            material: &self.materials[mesh.materials[hit.triangle as usize] as usize],
+            material,
         }
     }
 }
@@ -60,6 +70,10 @@ fn shading_normal(mesh: &Mesh, placed: &Placed, hit: &TriangleHit, geometric: Ve
     }
 }
 
-fn uv(mesh: &Mesh, hit: &TriangleHit) -> Vec2 {
-    if mesh.uvs.is_empty() { Vec2::ZERO } else { interpolate(&mesh.uvs, mesh, hit) }
+impl Mesh {
+    /// Texture coordinates at a hit; zero where the mesh has none.
+    #[inline]
+    pub(super) fn uv(&self, hit: &TriangleHit) -> Vec2 {
+        if self.uvs.is_empty() { Vec2::ZERO } else { interpolate(&self.uvs, self, hit) }
+    }
 }

@@ -8,7 +8,7 @@ use crate::material::{Colour, Material, Surface};
 
 fn grey(emission: Vec3) -> Material {
     let surface = Surface::Diffuse { reflectance: Colour::constant(Vec3::splat(0.5)) };
-    Material { name: "grey".into(), surface, emission }
+    Material::new("grey", surface, emission)
 }
 
 /// The square [0, 1]² at z = 0, facing +z; its first triangle is of material 0, the second of material 1.

@@ -81,8 +81,8 @@ fn varied_light(light: Vec3, stops: f32, numbers: &mut Numbers) -> Vec3 {
 /// Changes to a material: a lamp's light, or perhaps colour, roughness and coat of anything else.
 fn material_table(material: &Material, numbers: &mut Numbers) -> String {
     let mut text = format!("[material.{:?}]\n", material.name);
-    if material.emission != Vec3::ZERO {
-        let _ = write!(text, "emission = {:?}\n\n", varied_light(material.emission, 1.5, numbers).to_array());
+    if material.emits() {
+        let _ = write!(text, "emission = {:?}\n\n", varied_light(material.emission.factor, 1.5, numbers).to_array());
         return text;
     }
     let mut any = || 0.5 + 0.5 * numbers.symmetric() as f32;

@@ -112,7 +112,9 @@ impl MaterialChange {
     }
 
     fn change(&self, material: &mut Material) {
-        material.emission = self.emission.unwrap_or(material.emission);
+        if let Some(emission) = self.emission {
+            material.emission = Colour::constant(emission);
+        }
         let mut look = Look::of(&material.surface);
         if let Some(colour) = self.base_color {
             look.base = Colour::constant(colour);

@@ -22,11 +22,8 @@ fn cube(without: &[usize], inward: bool, lamp: bool) -> Scene {
         mesh.triangles.push([8, 9, 10]);
         mesh.materials.push(1);
     }
-    let material = |emission| Material {
-        name: String::new(),
-        surface: Surface::Diffuse { reflectance: Colour::constant(Vec3::ONE) },
-        emission,
-    };
+    let material =
+        |emission| Material::new("", Surface::Diffuse { reflectance: Colour::constant(Vec3::ONE) }, emission);
     let stand = Instance { mesh: 0, placement: Placement::new(DAffine3::IDENTITY).unwrap() };
     Scene::new(vec![mesh], vec![stand], vec![material(Vec3::ZERO), material(Vec3::ONE)], None).unwrap()
 }

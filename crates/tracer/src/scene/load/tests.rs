@@ -106,7 +106,7 @@ fn materials_are_changed_by_name() {
     };
     let base = Vec3::new(0.2, 0.4, 0.6);
     let material = changed("emission = [3, 2, 1]");
-    assert_eq!(material.emission, Vec3::new(3.0, 2.0, 1.0));
+    assert_eq!(material.emission.factor, Vec3::new(3.0, 2.0, 1.0));
     assert!(matches!(material.surface, Surface::Diffuse { reflectance } if reflectance.factor == base));
     let rough = changed("metallic = 1\nroughness = 0.5").surface;
     assert!(matches!(rough, Surface::Conductor { reflectance, alpha: 0.25 } if reflectance.factor == base));
