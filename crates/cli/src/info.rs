@@ -74,6 +74,7 @@ const fn surface(surface: &Surface) -> &'static str {
         Surface::Diffuse { .. } => "diffuse",
         Surface::Mirror { .. } => "mirror",
         Surface::Glass { .. } => "glass",
+        Surface::ThinGlass { .. } => "thin glass",
         Surface::Conductor { .. } => "rough metal",
         Surface::Coated { .. } => "coated",
     }

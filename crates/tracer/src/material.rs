@@ -1,9 +1,10 @@
 //! What a surface is made of, as data: loaders fill it in, `bsdf` turns it into scattering at a point.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glam::{Vec2, Vec3};
 
+use crate::bsdf::{GlassAlbedo, MetalAlbedo};
 use crate::texture::{GreyTexture, Texture};
 
 /// A colour that may vary over the surface: a constant, times a texture when there is one. Linear RGB.
@@ -67,6 +68,27 @@ pub struct SurfaceMaps {
     pub roughness: Option<Arc<GreyTexture>>,
     /// Share of a coated surface that is metal of the base's colour, 0 … 1.
     pub metallic: Option<Grey>,
+    /// What single scattering by rough glass sends on; found out when first needed.
+    glass_albedo: OnceLock<GlassAlbedo>,
+    /// The same of rough metal.
+    metal_albedo: OnceLock<MetalAlbedo>,
+}
+
+impl SurfaceMaps {
+    /// Of rough glass of refractive index `ior` and roughness `alpha`, which the map may lower.
+    pub(crate) fn glass_albedo(&self, ior: f32, alpha: f32) -> &GlassAlbedo {
+        self.glass_albedo.get_or_init(|| GlassAlbedo::new(ior, self.only(alpha)))
+    }
+
+    /// Of rough metal of roughness `alpha`, which the map may lower.
+    pub(crate) fn metal_albedo(&self, alpha: f32) -> &MetalAlbedo {
+        self.metal_albedo.get_or_init(|| MetalAlbedo::new(self.only(alpha)))
+    }
+
+    /// `alpha`, when it is the same everywhere.
+    fn only(&self, alpha: f32) -> Option<f32> {
+        self.roughness.is_none().then_some(alpha.min(1.0))
+    }
 }
 
 /// How a surface scatters light.
@@ -82,11 +104,20 @@ pub enum Surface {
         /// Share of light reflected, 0 … 1.
         reflectance: Colour,
     },
-    /// Clear smooth dielectric. The normal's side is the outside.
+    /// Clear dielectric, smooth or rough (GGX). The normal's side is the outside.
     Glass {
         /// Refractive index of the inside over that of the outside.
         ior: f32,
         /// Tint of what is transmitted, 0 … 1.
+        transmittance: Colour,
+        /// GGX roughness parameter α, 0 … 1; 0 is smooth.
+        alpha: f32,
+    },
+    /// Pane of clear glass that is too thin to shift what is seen through it.
+    ThinGlass {
+        /// Refractive index of the glass over that of what surrounds it.
+        ior: f32,
+        /// Tint of what passes, 0 … 1.
         transmittance: Colour,
     },
     /// Rough metal: GGX with visible normals, Schlick's Fresnel.

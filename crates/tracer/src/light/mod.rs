@@ -20,6 +20,15 @@ use crate::scene::Scene;
 /// this share of the light samples when there are lamps.
 const LARGEST_SKY_SHARE: f64 = 0.5;
 
+/// Who looks for light.
+#[derive(Clone, Copy, Debug)]
+pub struct Receiver {
+    /// The surface's unit normal, on the viewer's side.
+    pub normal: Vec3,
+    /// Whether light from beyond the surface matters, too.
+    pub two_sided: bool,
+}
+
 /// Light that may arrive at a point.
 #[derive(Clone, Copy, Debug)]
 pub struct LightSample {
@@ -62,12 +71,11 @@ impl<'a> Lights<'a> {
     }
 
     /// Chooses a light by the whole number `choice` (uniform over 2³²) and a point on it by `u` in [0, 1)², for the
-    /// surface at `from` whose normal on the viewer's side is `normal`. `None` when no light comes from there: there
-    /// is no light, or it shines away.
-    pub fn sample_light(&self, from: &Interaction, normal: Vec3, choice: u32, u: Vec2) -> Option<LightSample> {
+    /// surface `receiver` at `from`. `None` when no light comes from there: there is no light, or it shines away.
+    pub fn sample_light(&self, from: &Interaction, receiver: Receiver, choice: u32, u: Vec2) -> Option<LightSample> {
         let choice = u64::from(choice);
         if choice < self.sky_choices {
-            return self.sky?.sample(from, normal, u).map(|sample| scaled(sample, self.sky_share()));
+            return self.sky?.sample(from, receiver, u).map(|sample| scaled(sample, self.sky_share()));
         }
         let rest = CHOICES - self.sky_choices;
         let index = self.triangles.sample_index(((choice - self.sky_choices) * CHOICES / rest) as u32)?;
@@ -83,9 +91,9 @@ impl<'a> Lights<'a> {
         self.triangle_share(index) * triangle::pdf(&self.scene.emitters[index], seen)
     }
 
-    /// Density per solid angle with which it looks from a surface with `normal` into the sky at `direction`.
-    pub fn sky_pdf(&self, normal: Vec3, direction: Vec3) -> f32 {
-        self.sky_share() * self.sky.map_or(0.0, |sky| sky.pdf(normal, direction))
+    /// Density per solid angle with which it looks from `receiver` into the sky at `direction`.
+    pub fn sky_pdf(&self, receiver: Receiver, direction: Vec3) -> f32 {
+        self.sky_share() * self.sky.map_or(0.0, |sky| sky.pdf(receiver, direction))
     }
 
     /// Radiance that emitter `emitter` sends back along the ray that ended at `seen`; it emits on one side only.

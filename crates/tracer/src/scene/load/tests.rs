@@ -112,7 +112,12 @@ fn materials_are_changed_by_name() {
     assert!(matches!(rough, Surface::Conductor { reflectance, alpha: 0.25 } if reflectance.factor == base));
     assert!(matches!(changed("metallic = 1").surface, Surface::Mirror { .. }));
     let glass = changed("transmission = 1\nior = 1.33\nbase_color = 0.9").surface;
-    assert!(matches!(glass, Surface::Glass { ior: 1.33, transmittance } if transmittance.factor == Vec3::splat(0.9)));
+    assert!(
+        matches!(glass, Surface::Glass { ior: 1.33, transmittance, alpha: 0.0 } if transmittance.factor == Vec3::splat(0.9))
+    );
+    assert!(matches!(changed("transmission = 1\nroughness = 0.5").surface, Surface::Glass { alpha: 0.25, .. }));
+    assert!(matches!(changed("transmission = 1\nthin = true").surface, Surface::ThinGlass { ior: 1.5, .. }));
+    assert_eq!(changed("alpha = 0.25").maps.opacity.unwrap().factor, 0.25);
     let coat = changed("roughness = 0.1\nspecular = 0.08").surface;
     assert!(
         matches!(coat, Surface::Coated { specular, diffuse, .. } if specular.factor == Vec3::splat(0.08) && diffuse.factor == base)

@@ -4,7 +4,8 @@
 //! |---|---|
 //! | `Pm` ≥ 1 | metal that reflects `Kd` (or `Ks` where `Kd` is black), roughness `Pr` |
 //! | `illum` 5 | mirror that reflects `Ks` (or `Kd` where there is no `Ks`) |
-//! | `illum` 4, 6, 7, 9, or `d` < 1 with `Ni` | clear glass of index `Ni` (1.5), tinted by `Tf` |
+//! | `illum` 4, 9 | pane of thin glass of index `Ni` (1.5), tinted by `Tf` |
+//! | `illum` 6, 7, or `d` < 1 with `Ni` | glass of index `Ni` (1.5), tinted by `Tf`; rough by `Pr` |
 //! | `illum` 3, 8 with `Ks` and no `Kd` | metal that reflects `Ks`; a mirror when neither `Ns` nor `Pr` makes it rough |
 //! | `Ks` > 0 with `Ns` or `Pr`, `illum` not 0 or 1; or `Pr`, `Pm` | diffuse under a rough coat |
 //! | else | diffuse `Kd` (grey 0.5 where neither `Kd` nor `map_Kd` is given) |
@@ -84,11 +85,15 @@ impl MtlEntry {
     /// GGX α, where the material says anything about it.
     fn alpha(&self) -> Option<f32> {
         let phong = |ns: f32| (2.0 / (ns + 2.0)).sqrt();
-        let mapped = self.roughness_map.is_some();
-        // A zero in front of a texture is a habit of exporters.
-        let said = self.roughness.filter(|&pr| pr > 0.0 || !mapped).or(mapped.then_some(1.0));
-        let alpha = said.map(|pr| pr * pr).or(self.shininess.filter(|&ns| ns > 0.0).map(phong));
+        let alpha = self.roughness_alpha().or(self.shininess.filter(|&ns| ns > 0.0).map(phong));
         alpha.map(|alpha| alpha.clamp(0.0, 1.0))
+    }
+
+    /// α by `Pr`. A zero in front of a texture is a habit of exporters.
+    fn roughness_alpha(&self) -> Option<f32> {
+        let mapped = self.roughness_map.is_some();
+        let said = self.roughness.filter(|&pr| pr > 0.0 || !mapped).or(mapped.then_some(1.0));
+        said.map(|pr| (pr * pr).clamp(0.0, 1.0))
     }
 
     fn surface(&self, diffuse: Colour, specular: Colour) -> Surface {
@@ -102,7 +107,11 @@ impl MtlEntry {
         if self.is_glass() {
             let tint = Colour::constant(self.filter.unwrap_or(Vec3::ONE));
             let ior = self.ior.filter(|&ni| ni > 0.0).unwrap_or(1.5);
-            return Surface::Glass { ior, transmittance: capped(tint) };
+            return match self.model {
+                Some(4 | 9) => Surface::ThinGlass { ior, transmittance: capped(tint) },
+                // `Ns` is the width of highlights, which clear glass has, too.
+                _ => Surface::Glass { ior, transmittance: capped(tint), alpha: self.roughness_alpha().unwrap_or(0.0) },
+            };
         }
         if matches!(self.model, Some(3 | 8)) && has(&specular) && !has(&diffuse) {
             return metal(specular, self.alpha());
@@ -164,10 +173,14 @@ mod tests {
     #[test]
     fn glass_is_told_by_model_or_by_dissolve_with_an_index() {
         for statements in ["illum 7\nNi 1.3\nTf .2 .3 .4", "d 0.1\nNi 1.3\nTf .2 .3 .4", "Tr .9\nNi 1.3\nTf .2 .3 .4"] {
-            let Surface::Glass { ior: 1.3, transmittance } = convert(statements).surface else {
+            let Surface::Glass { ior: 1.3, transmittance, alpha: 0.0 } = convert(statements).surface else {
                 panic!("{statements}")
             };
             assert_eq!(constant(&transmittance), [0.2, 0.3, 0.4]);
+        }
+        assert!(matches!(convert("illum 6\nPr .5").surface, Surface::Glass { alpha: 0.25, .. }));
+        for pane in ["illum 4\nNi 1.3", "illum 9\nNi 1.3\nPr .5"] {
+            assert!(matches!(convert(pane).surface, Surface::ThinGlass { ior: 1.3, .. }), "{pane}");
         }
         for opaque in ["d 0.1", "d 1\nTr 1\nNi 1.5", "Tr 1\nd 1\nNi 1.5", "Ni 1.5"] {
             assert!(matches!(convert(opaque).surface, Surface::Diffuse { .. }), "{opaque}");

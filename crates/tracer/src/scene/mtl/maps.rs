@@ -21,12 +21,12 @@ impl MtlEntry {
         let metallic = grey(&self.metallic_map, Channel::Luminance);
         let normals = read.and_then(|(files, notes)| self.normals(files, notes));
         let opacity = self.opacity_factor();
-        SurfaceMaps {
-            opacity: (holes.is_some() || opacity < 1.0).then_some(Grey { factor: opacity, texture: holes }),
-            normals,
-            roughness,
-            metallic: metallic.map(|map| Grey { factor: self.metallic_factor(), texture: Some(map) }),
-        }
+        let mut maps = SurfaceMaps::default();
+        maps.opacity = (holes.is_some() || opacity < 1.0).then_some(Grey { factor: opacity, texture: holes });
+        maps.normals = normals;
+        maps.roughness = roughness;
+        maps.metallic = metallic.map(|map| Grey { factor: self.metallic_factor(), texture: Some(map) });
+        maps
     }
 
     /// `norm`, else `bump`.
