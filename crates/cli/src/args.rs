@@ -7,7 +7,7 @@ use stack::Knobs;
 use stack::file::{Convention, Mapping, ReadOptions};
 
 use crate::failure::usage;
-use crate::options::{Crop, PictureSize, Sky, Triple};
+use crate::options::{Crop, PictureSize, Shutter, Sky, Triple};
 use crate::settings::Settings;
 
 /// Renders a scene on the CPU, or denoises another renderer's feature stack.
@@ -111,6 +111,9 @@ pub struct RenderArgs {
     /// Distance to the plane in focus.
     #[arg(long, value_name = "D", help_heading = "Camera")]
     pub focus_distance: Option<f32>,
+    /// When the shutter opens and closes within the frame, whose time runs from 0 to 1.
+    #[arg(long, value_name = "A,B", allow_hyphen_values = true, help_heading = "Camera")]
+    pub shutter: Option<Shutter>,
     /// Camera of the scene file to use.
     #[arg(long, value_name = "NAME", help_heading = "Camera")]
     pub camera: Option<String>,

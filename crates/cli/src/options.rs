@@ -22,6 +22,21 @@ impl FromStr for Triple {
     }
 }
 
+/// When the shutter opens and closes: `a,b`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shutter(pub [f32; 2]);
+
+impl FromStr for Shutter {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match numbers::<f32>(text, ',')?[..] {
+            [open, close] if (0.0..=close).contains(&open) && close <= 1.0 => Ok(Self([open, close])),
+            _ => Err("expected two moments in order, from 0 to 1, as in 0.25,0.75".into()),
+        }
+    }
+}
+
 /// A sky: `r,g,b`, or a file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Sky {
@@ -156,6 +171,8 @@ mod tests {
     fn triples_and_ranges_are_checked() {
         assert_eq!("-1,2,3.5".parse(), Ok(Triple([-1.0, 2.0, 3.5])));
         assert!("1,2".parse::<Triple>().is_err() && "1,2,nan".parse::<Triple>().is_err());
+        assert_eq!("0,.5".parse(), Ok(Shutter([0.0, 0.5])));
+        assert!(["1,0", "0,2", "-1,0", "0", "0,nan"].iter().all(|wrong| wrong.parse::<Shutter>().is_err()));
         assert_eq!("4..9".parse(), Ok(SampleRange { first: 4, count: 5 }));
         assert!("9..9".parse::<SampleRange>().is_err() && "9".parse::<SampleRange>().is_err());
     }

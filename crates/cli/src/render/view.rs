@@ -117,6 +117,7 @@ fn choose_camera(loaded: &Loaded, args: &RenderArgs, progress: &Progress) -> Res
     camera.fov = args.fov.unwrap_or(camera.fov);
     camera.lens_radius = args.lens_radius.unwrap_or(camera.lens_radius);
     camera.focus_distance = args.focus_distance.or(camera.focus_distance);
+    camera.shutter = args.shutter.map_or(camera.shutter, |shutter| shutter.0);
     camera.check()?;
     Ok(camera)
 }

@@ -8,7 +8,7 @@ use crate::camera::{Camera, CameraDescription};
 use crate::environment::Environment;
 use crate::film::Film;
 use crate::material::{Colour, Material, Surface};
-use crate::scene::{Instance, Mesh, Placement, Scene};
+use crate::scene::{Instance, Mesh, Motion, Placement, Scene};
 
 pub(super) fn grey(value: f32) -> Colour {
     Colour::constant(Vec3::splat(value))
@@ -27,6 +27,7 @@ pub(super) fn lamp(radiance: f32) -> (Surface, f32) {
 pub(super) struct Pieces {
     meshes: Vec<Mesh>,
     materials: Vec<Material>,
+    motions: Vec<(usize, Motion)>,
 }
 
 impl Pieces {
@@ -41,6 +42,12 @@ impl Pieces {
     /// The material of the piece added last.
     pub(super) fn last_material(&mut self) -> &mut Material {
         self.materials.last_mut().unwrap()
+    }
+
+    /// Moves the piece added last.
+    pub(super) fn moving(mut self, motion: Motion) -> Self {
+        self.motions.push((self.meshes.len() - 1, motion));
+        self
     }
 
     /// A parallelogram; its front is the side `a` × `b` points to.
@@ -86,7 +93,8 @@ impl Pieces {
     }
 
     pub(super) fn under_sky(self, sky: Option<Environment>) -> Scene {
-        let stand = |mesh| Instance { mesh, placement: Placement::IDENTITY };
+        let motion = |mesh| self.motions.iter().find(|(of, _)| *of == mesh).map(|(_, motion)| *motion);
+        let stand = |mesh| Instance { mesh, placement: Placement::IDENTITY, motion: motion(mesh) };
         let instances = (0..self.meshes.len()).map(stand).collect();
         Scene::new(self.meshes, instances, self.materials, sky).unwrap()
     }

@@ -79,8 +79,8 @@ impl<'a> Lights<'a> {
         }
         let rest = CHOICES - self.sky_choices;
         let index = self.triangles.sample_index(((choice - self.sky_choices) * CHOICES / rest) as u32)?;
-        let light = &self.scene.emitters[index];
-        let sample = triangle::sample(light, &self.scene.materials[light.material as usize], from, u)?;
+        let light = self.scene.emitter_at(index, from.time);
+        let sample = triangle::sample(&light, &self.scene.materials[light.material as usize], from, u)?;
         Some(scaled(sample, self.triangle_share(index)))
     }
 
@@ -88,7 +88,7 @@ impl<'a> Lights<'a> {
     /// emitter `emitter` that `seen` is, at the end of a ray from there. 0 behind it.
     pub fn light_pdf(&self, emitter: u32, seen: &Interaction) -> f32 {
         let index = emitter as usize;
-        self.triangle_share(index) * triangle::pdf(&self.scene.emitters[index], seen)
+        self.triangle_share(index) * triangle::pdf(&self.scene.emitter_at(index, seen.time), seen)
     }
 
     /// Density per solid angle with which it looks from `receiver` into the sky at `direction`.
@@ -98,7 +98,7 @@ impl<'a> Lights<'a> {
 
     /// Radiance that emitter `emitter` sends back along the ray that ended at `seen`; it emits on one side only.
     pub fn emitted(&self, emitter: u32, seen: &Interaction) -> Vec3 {
-        let triangle = &self.scene.emitters[emitter as usize];
+        let triangle = self.scene.emitter_at(emitter as usize, seen.time);
         match triangle.normal.dot(seen.outgoing) > 0.0 {
             false => Vec3::ZERO,
             true if triangle.varies => seen.material.emission.at(seen.uv),

@@ -19,7 +19,7 @@ fn scene(size: f32, height: f32, sky: Option<Vec3>) -> Scene {
         materials: vec![0, 0, 1],
         ..Mesh::default()
     };
-    let stand = Instance { mesh: 0, placement: Placement::IDENTITY };
+    let stand = Instance { mesh: 0, placement: Placement::IDENTITY, motion: None };
     Scene::new(
         vec![mesh],
         vec![stand],

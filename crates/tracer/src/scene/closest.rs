@@ -51,7 +51,8 @@ impl Scene {
     #[inline]
     fn closest_in(&self, placed: usize, ray: &Ray, sheared: &ShearedRay, t_max: f32) -> Option<TriangleHit> {
         let stand = &self.placed[placed];
-        let (mesh, placement) = (&self.meshes[stand.mesh], stand.placement.as_ref());
+        let moved = stand.moving.map(|moving| moving.at(ray.time));
+        let (mesh, placement) = (&self.meshes[stand.mesh], moved.as_ref().or(stand.placement.as_ref()));
         let tree = mesh.tree.as_ref()?;
         if mesh.is_cut_out {
             return tree.closest(ray, sheared, placement, t_max, |hit| self.is_there(placed, ray, hit));
@@ -62,7 +63,8 @@ impl Scene {
     #[inline]
     fn occludes(&self, placed: usize, ray: &Ray, sheared: &ShearedRay) -> bool {
         let stand = &self.placed[placed];
-        let (mesh, placement) = (&self.meshes[stand.mesh], stand.placement.as_ref());
+        let moved = stand.moving.map(|moving| moving.at(ray.time));
+        let (mesh, placement) = (&self.meshes[stand.mesh], moved.as_ref().or(stand.placement.as_ref()));
         let Some(tree) = &mesh.tree else { return false };
         if mesh.is_cut_out {
             return tree.occluded(ray, sheared, placement, ray.t_max, |hit| self.is_there(placed, ray, hit));

@@ -62,7 +62,7 @@ mod tests {
             mesh.triangles.extend([[0, 1, 2], [0, 2, 3]].map(|t: [u32; 3]| t.map(|v| v + 4 * layer)));
             mesh.materials.extend([0, 0]);
         }
-        let stand = Instance { mesh: 0, placement: Placement::IDENTITY };
+        let stand = Instance { mesh: 0, placement: Placement::IDENTITY, motion: None };
         Scene::new(vec![mesh], vec![stand], vec![material], None).unwrap()
     }
 

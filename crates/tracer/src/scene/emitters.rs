@@ -2,6 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
+use super::Scene;
 use super::instance::Placed;
 use super::mesh::IndexedMesh;
 use crate::material::Material;
@@ -23,16 +24,32 @@ pub struct EmissiveTriangle {
     pub material: u32,
     /// Whether emission or opacity vary over it.
     pub varies: bool,
+    /// Which placed mesh it moves with.
+    moves_with: Option<u32>,
 }
 
-/// Lists the emitters of `placed`, in the order of its mesh's emissive triangles.
+impl Scene {
+    /// Emitter `index` where it is at `time`.
+    #[inline]
+    pub fn emitter_at(&self, index: usize, time: f32) -> EmissiveTriangle {
+        let emitter = self.emitters[index];
+        let Some(moving) = emitter.moves_with.and_then(|placed| self.placed[placed as usize].moving) else {
+            return emitter;
+        };
+        let vertices = emitter.vertices.map(|vertex| moving.carried(vertex, time));
+        EmissiveTriangle { vertices, normal: moving.turned(emitter.normal, time), ..emitter }
+    }
+}
+
+/// Lists the emitters of `placed`, which is number `number`, in the order of its mesh's emissive triangles.
 pub(super) fn emitters_of<'a>(
     mesh: &'a IndexedMesh,
     placed: &'a Placed,
+    number: u32,
     materials: &'a [Material],
 ) -> impl Iterator<Item = EmissiveTriangle> + 'a {
     (0..mesh.mesh.triangles.len()).filter(|&t| emits(mesh, t, materials)).map(move |t| {
-        let vertices = placed.corners(mesh, t as u32);
+        let vertices = Placed::corners(mesh, t as u32, placed.placement.as_ref());
         let cross = placed.cross(vertices);
         let normal = cross.normalize().as_vec3();
         let index = mesh.mesh.materials[t];
@@ -45,6 +62,7 @@ pub(super) fn emitters_of<'a>(
             uvs: mesh.mesh.corner_uvs(t as u32),
             material: index,
             varies: material.emission.texture.is_some() || material.maps.opacity.is_some(),
+            moves_with: placed.moving.map(|_| number),
         }
     })
 }

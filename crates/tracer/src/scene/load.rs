@@ -53,7 +53,7 @@ pub fn load(path: &Path) -> Result<Loaded, SceneError> {
 fn load_obj(path: &Path) -> Result<Loaded, SceneError> {
     let mut parts = Parts::default();
     let mesh = parts.mesh(path)?;
-    parts.instances.push(Instance { mesh, placement: Placement::IDENTITY });
+    parts.instances.push(Instance { mesh, placement: Placement::IDENTITY, motion: None });
     parts.finish(SceneDescription::default(), None)
 }
 
@@ -63,7 +63,7 @@ fn load_toml(path: &Path) -> Result<Loaded, SceneError> {
     let mut parts = Parts::default();
     for geometry in &description.geometry {
         let mesh = parts.mesh(&folder.join(&geometry.file))?;
-        parts.instances.push(Instance { mesh, placement: geometry.placement });
+        parts.instances.push(Instance { mesh, placement: geometry.placement, motion: geometry.motion });
     }
     for change in std::mem::take(&mut description.material_changes) {
         change.apply(&mut parts.materials)?;

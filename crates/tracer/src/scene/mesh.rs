@@ -132,7 +132,7 @@ impl IndexedMesh {
     }
 
     /// Positions that triangles use.
-    pub(super) fn used_positions(&self) -> impl Iterator<Item = &Vec3> {
+    pub(super) fn used_positions(&self) -> impl Iterator<Item = &Vec3> + Clone {
         self.mesh.triangles.iter().flatten().map(|&v| &self.mesh.positions[v as usize])
     }
 }

@@ -11,6 +11,7 @@ mod instance;
 mod load;
 mod look;
 mod mesh;
+mod motion;
 mod mtl;
 mod notes;
 mod obj;
@@ -28,6 +29,7 @@ pub use guess::{Guess, guess_camera, guess_environment};
 pub use instance::Instance;
 pub use load::{Loaded, load};
 pub use mesh::{Dropped, Mesh};
+pub use motion::Motion;
 
 use crate::environment::Environment;
 use crate::material::Material;

@@ -2,10 +2,10 @@
 
 use glam::{Vec2, Vec3};
 
-use super::Scene;
 use super::instance::Placed;
 use super::mesh::Mesh;
 use super::relief;
+use super::{Placement, Scene};
 use crate::Ray;
 use crate::bvh::TriangleHit;
 use crate::interaction::Interaction;
@@ -19,11 +19,13 @@ impl Scene {
         let placed = &self.placed[placed];
         let indexed = &self.meshes[placed.mesh];
         let mesh = &indexed.mesh;
-        let corners = placed.corners(indexed, hit.triangle);
+        let moved = placed.moving.map(|moving| moving.at(ray.time));
+        let placement = moved.as_ref().or(placed.placement.as_ref());
+        let corners = Placed::corners(indexed, hit.triangle, placement);
         let weighted: [Vec3; 3] = std::array::from_fn(|i| hit.barycentric[i] * corners[i]);
         let geometric_normal = placed.cross(corners).normalize().as_vec3();
         let material = &self.materials[mesh.materials[hit.triangle as usize] as usize];
-        let smooth = shading_normal(mesh, placed, hit, geometric_normal);
+        let smooth = shading_normal(mesh, placement, hit, geometric_normal);
         let uv = mesh.uv(hit);
         let shading_normal = match &material.maps.normals {
             Some(map) => {
@@ -57,12 +59,12 @@ where
 }
 
 /// Interpolated normal on the side of the geometric one; the geometric one where vertices have none.
-fn shading_normal(mesh: &Mesh, placed: &Placed, hit: &TriangleHit, geometric: Vec3) -> Vec3 {
+fn shading_normal(mesh: &Mesh, placement: Option<&Placement>, hit: &TriangleHit, geometric: Vec3) -> Vec3 {
     if mesh.normals.is_empty() {
         return geometric;
     }
     let own = interpolate(&mesh.normals, mesh, hit);
-    let there = placed.placement.as_ref().map_or(own, |placement| placement.normal(own));
+    let there = placement.map_or(own, |placement| placement.normal(own));
     match there.try_normalize() {
         Some(normal) if normal.dot(geometric) > 0.0 => normal,
         Some(normal) if normal.dot(geometric) < 0.0 => -normal,

@@ -24,7 +24,7 @@ fn square() -> Mesh {
 
 fn standing(mesh: usize, scale: DVec3, translation: DVec3) -> Instance {
     let map = DAffine3::from_scale_rotation_translation(scale, glam::DQuat::IDENTITY, translation);
-    Instance { mesh, placement: Placement::new(map).unwrap() }
+    Instance { mesh, placement: Placement::new(map).unwrap(), motion: None }
 }
 
 fn materials() -> Vec<Material> {

@@ -5,6 +5,7 @@ mod environment_table;
 mod geometry_table;
 mod material_table;
 mod mistakes;
+mod motion_table;
 mod one_or_many;
 mod render_table;
 

@@ -24,7 +24,7 @@ fn cube(without: &[usize], inward: bool, lamp: bool) -> Scene {
     }
     let material =
         |emission| Material::new("", Surface::Diffuse { reflectance: Colour::constant(Vec3::ONE) }, emission);
-    let stand = Instance { mesh: 0, placement: Placement::new(DAffine3::IDENTITY).unwrap() };
+    let stand = Instance { mesh: 0, placement: Placement::new(DAffine3::IDENTITY).unwrap(), motion: None };
     Scene::new(vec![mesh], vec![stand], vec![material(Vec3::ZERO), material(Vec3::ONE)], None).unwrap()
 }
 

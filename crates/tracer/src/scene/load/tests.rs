@@ -50,6 +50,26 @@ fn geometry_stands_where_it_is_put_and_is_read_once() {
 }
 
 #[test]
+fn geometry_and_cameras_may_move() {
+    let scene = format!(
+        "{GEOMETRY}transform = {{ translate = [1, 0, 0] }}\nmotion = {{ translate = [0, 0, 2], rotate = [0, 180, 0] }}\n\
+         [camera]\neye = [0, 0, 9]\nlook_at = [0, 0, 0]\nmotion = {{ translate = [1, 0, 0] }}\n"
+    );
+    let loaded = loaded(&scene);
+    let ray = |time| Ray { origin: Vec3::new(0.5, 0.5, 9.0), direction: -Vec3::Z, t_max: 100.0, time };
+    assert!(loaded.scene.intersect(&ray(0.0)).is_none());
+    // Turned by half about its own origin at x = 1, it lies between 0 and 1, two nearer.
+    assert!((loaded.scene.intersect(&ray(1.0)).unwrap().distance - 7.0).abs() < 1e-5);
+    let motion = loaded.cameras[0].1.motion.unwrap();
+    assert_eq!((motion.translate, motion.centre), (glam::DVec3::X, glam::DVec3::new(0.0, 0.0, 9.0)));
+    assert!(refusal(&format!("{GEOMETRY}motion = {{ turn = [0, 1, 0] }}\n")).contains("no key 'turn'"));
+    assert!(
+        refusal(&format!("{GEOMETRY}motion = {{ rotate = [0, inf, 0] }}\n"))
+            .starts_with("scene.toml:3: expected finite")
+    );
+}
+
+#[test]
 fn cameras_are_one_or_many() {
     let one = loaded(&format!("[camera]\neye = [0, 0, 9]\nlook_at = [0, 1, 0]\n{GEOMETRY}"));
     let plain = CameraDescription::looking(Vec3::new(0.0, 0.0, 9.0), Vec3::Y);
