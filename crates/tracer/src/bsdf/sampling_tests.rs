@@ -2,15 +2,17 @@
 
 use glam::Vec3;
 
-use super::albedo_tests::metal;
 use super::chi_square::{integral, p_value};
-use super::{Coated, Diffuse, Lobe, RoughGlass};
+use super::{Coated, Conductor, Diffuse, Lobe, RoughGlass};
 
 /// All lobes that are not specular, seen with cosine `cosine`.
 fn lobes(cosine: f32) -> Vec<(String, Lobe)> {
     let mut lobes = vec![("diffuse".into(), Lobe::Diffuse(Diffuse { reflectance: Vec3::splat(0.5) }))];
     for alpha in [0.1, 0.4, 0.7, 1.0] {
-        lobes.push((format!("conductor {alpha}"), metal(Vec3::new(0.9, 0.6, 0.3), alpha, cosine)));
+        lobes.push((
+            format!("conductor {alpha}"),
+            Lobe::Conductor(Conductor::new(Vec3::new(0.9, 0.6, 0.3), alpha, 0.9)),
+        ));
         let coated = Coated::new(Vec3::new(0.2, 0.5, 0.8), Vec3::splat(0.2), alpha, cosine);
         lobes.push((format!("coated {alpha}"), Lobe::Coated(coated)));
         // Smoother glass refracts into less than a cell of the quadrature.

@@ -46,22 +46,22 @@ fn quarters(shutter: [f32; 2], spp: u32, settings: &TraceSettings) -> Vec<(f64, 
 
 #[test]
 fn motion_blur_is_the_mean_of_still_pictures() {
-    const STILLS: u32 = 64;
-    for (direct_light, spp) in [(DirectLight::Both, 2048), (DirectLight::Surfaces, 512)] {
+    const STILLS: u32 = 32;
+    for (direct_light, spp) in [(DirectLight::Both, 512), (DirectLight::Surfaces, 256)] {
         let settings = TraceSettings { direct_light, ..TraceSettings::DEFAULT };
         let blurred = quarters([0.2, 1.0], spp, &settings);
         let mut mean = vec![(0.0, 0.0); 4];
         for i in 0..STILLS {
             let time = 0.2 + 0.8 * (i as f32 + 0.5) / STILLS as f32;
             let seed = u64::from(i) + 1;
-            let still = quarters([time, time], spp / 16, &TraceSettings { seed, ..settings });
+            let still = quarters([time, time], spp / 8, &TraceSettings { seed, ..settings });
             for (sum, (value, variance)) in mean.iter_mut().zip(still) {
                 *sum = (sum.0 + value / f64::from(STILLS), sum.1 + variance / f64::from(STILLS * STILLS));
             }
         }
         for ((a, a_variance), (b, b_variance)) in blurred.into_iter().zip(mean) {
             let error = 4.0 * (a_variance + b_variance).sqrt();
-            assert!((a - b).abs() < error && error < 0.05 * b, "{direct_light:?}: {a} {b} ± {error}");
+            assert!((a - b).abs() < error && error < 0.08 * b, "{direct_light:?}: {a} {b} ± {error}");
         }
     }
 }

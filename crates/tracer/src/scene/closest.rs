@@ -51,7 +51,7 @@ impl Scene {
     #[inline]
     fn closest_in(&self, placed: usize, ray: &Ray, sheared: &ShearedRay, t_max: f32) -> Option<TriangleHit> {
         let stand = &self.placed[placed];
-        let moved = stand.moving.map(|moving| moving.at(ray.time));
+        let moved = stand.moving.as_ref().map(|moving| moving.at(ray.time));
         let (mesh, placement) = (&self.meshes[stand.mesh], moved.as_ref().or(stand.placement.as_ref()));
         let tree = mesh.tree.as_ref()?;
         if mesh.is_cut_out {
@@ -63,7 +63,7 @@ impl Scene {
     #[inline]
     fn occludes(&self, placed: usize, ray: &Ray, sheared: &ShearedRay) -> bool {
         let stand = &self.placed[placed];
-        let moved = stand.moving.map(|moving| moving.at(ray.time));
+        let moved = stand.moving.as_ref().map(|moving| moving.at(ray.time));
         let (mesh, placement) = (&self.meshes[stand.mesh], moved.as_ref().or(stand.placement.as_ref()));
         let Some(tree) = &mesh.tree else { return false };
         if mesh.is_cut_out {

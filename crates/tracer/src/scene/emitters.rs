@@ -1,5 +1,7 @@
 //! Triangles that emit.
 
+use std::borrow::Cow;
+
 use glam::{Vec2, Vec3};
 
 use super::Scene;
@@ -31,13 +33,12 @@ pub struct EmissiveTriangle {
 impl Scene {
     /// Emitter `index` where it is at `time`.
     #[inline]
-    pub fn emitter_at(&self, index: usize, time: f32) -> EmissiveTriangle {
-        let emitter = self.emitters[index];
-        let Some(moving) = emitter.moves_with.and_then(|placed| self.placed[placed as usize].moving) else {
-            return emitter;
-        };
+    pub fn emitter_at(&self, index: usize, time: f32) -> Cow<'_, EmissiveTriangle> {
+        let emitter = &self.emitters[index];
+        let Some(placed) = emitter.moves_with else { return Cow::Borrowed(emitter) };
+        let Some(moving) = &self.placed[placed as usize].moving else { return Cow::Borrowed(emitter) };
         let vertices = emitter.vertices.map(|vertex| moving.carried(vertex, time));
-        EmissiveTriangle { vertices, normal: moving.turned(emitter.normal, time), ..emitter }
+        Cow::Owned(EmissiveTriangle { vertices, normal: moving.turned(emitter.normal, time), ..*emitter })
     }
 }
 

@@ -19,7 +19,7 @@ impl Scene {
         let placed = &self.placed[placed];
         let indexed = &self.meshes[placed.mesh];
         let mesh = &indexed.mesh;
-        let moved = placed.moving.map(|moving| moving.at(ray.time));
+        let moved = placed.moving.as_ref().map(|moving| moving.at(ray.time));
         let placement = moved.as_ref().or(placed.placement.as_ref());
         let corners = Placed::corners(indexed, hit.triangle, placement);
         let weighted: [Vec3; 3] = std::array::from_fn(|i| hit.barycentric[i] * corners[i]);

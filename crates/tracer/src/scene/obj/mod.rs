@@ -18,7 +18,7 @@ use super::source::read_text;
 use super::{Mesh, SceneError};
 use crate::material::Material;
 use clean::CleanLines;
-use polygon::triangulate;
+use polygon::{cut_concave, fan};
 
 /// Triangles and materials of an OBJ file.
 #[derive(Debug)]
@@ -90,12 +90,17 @@ fn triangles_of(positions: &[Vec3], indices: &[u32], arities: &[u32]) -> Vec<[u3
         return indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
     }
     let mut triangles = Vec::with_capacity(indices.len());
-    let mut rest = indices;
+    let (mut rest, mut corners) = (indices, vec![]);
     for &arity in arities {
         let (face, after) = rest.split_at(arity as usize);
         rest = after;
-        let corners: Vec<Vec3> = face.iter().map(|&v| positions[v as usize]).collect();
-        triangles.extend(triangulate(&corners).into_iter().map(|t| t.map(|corner| face[corner])));
+        corners.clear();
+        corners.extend(face.iter().map(|&v| positions[v as usize]));
+        let of_face = |t: [usize; 3]| t.map(|corner| face[corner]);
+        match cut_concave(&corners) {
+            None => triangles.extend(fan(face.len()).map(of_face)),
+            Some(cut) => triangles.extend(cut.into_iter().map(of_face)),
+        }
     }
     triangles
 }

@@ -6,43 +6,52 @@ use glam::{DVec2, DVec3, Vec3};
 /// thousand times is cut, one made to take for ever is not.
 const LOOKS: usize = 4096;
 
-/// Triangles, as corners' numbers, of the polygon with these corners; wound as the polygon is.
+/// Triangles, as corners' numbers, of the polygon with these corners, wound as the polygon is; `None` when a fan round the
+/// first corner will do, because it is convex.
 ///
-/// Convex ones become a fan round the first corner. Others lose one ear after the other (Meisters 1975), in the plane of
-/// their mean normal (Newell's). What has no ears, because it crosses itself, is not flat, or is not finite, becomes a fan.
-pub(super) fn triangulate(corners: &[Vec3]) -> Vec<[usize; 3]> {
-    let fan = |ring: &[usize]| (1..ring.len().saturating_sub(1)).map(|i| [ring[0], ring[i], ring[i + 1]]).collect();
-    let all: Vec<usize> = (0..corners.len()).collect();
-    if corners.len() <= 3 {
-        return fan(&all);
+/// Others lose one ear after the other (Meisters 1975), in the plane of their mean normal (Newell's). What has no ears,
+/// because it crosses itself, becomes a fan, and so does what is not flat or not finite.
+pub(super) fn cut_concave(corners: &[Vec3]) -> Option<Vec<[usize; 3]>> {
+    let normal = mean_normal(corners);
+    if corners.len() <= 3 || is_convex(corners, normal) {
+        return None;
     }
-    let flat = flattened(corners);
-    if is_convex(&flat) {
-        return fan(&all);
-    }
-    let (mut triangles, rest) = cut_ears(&flat, all);
-    triangles.extend::<Vec<_>>(fan(&rest));
-    triangles
+    let (mut triangles, rest) = cut_ears(&flattened(corners, normal.try_normalize()?), (0..corners.len()).collect());
+    triangles.extend(fan(rest.len()).map(|t| t.map(|i| rest[i])));
+    Some(triangles)
 }
 
-/// Corners in the plane of the polygon, so that it runs counter-clockwise.
-fn flattened(corners: &[Vec3]) -> Vec<DVec2> {
+/// Triangles, as corners' numbers, of a fan round the first of `count` corners.
+pub(super) fn fan(count: usize) -> impl Iterator<Item = [usize; 3]> {
+    (1..count.saturating_sub(1)).map(|i| [0, i, i + 1])
+}
+
+/// Twice the area of the polygon times its unit normal.
+fn mean_normal(corners: &[Vec3]) -> DVec3 {
     let at = |i: usize| (corners[i % corners.len()] - corners[0]).as_dvec3();
-    let normal: DVec3 = (0..corners.len()).map(|i| at(i).cross(at(i + 1))).sum();
-    let Some(normal) = normal.try_normalize() else { return vec![DVec2::ZERO; corners.len()] };
+    (0..corners.len()).map(|i| at(i).cross(at(i + 1))).sum()
+}
+
+/// Whether every corner turns left round `normal`, or not at all. Also what is not finite, which no cut would mend.
+fn is_convex(corners: &[Vec3], normal: DVec3) -> bool {
+    let n = corners.len();
+    let turn = |i: usize| {
+        let [a, b, c] = [0, 1, 2].map(|step| corners[(i + step) % n].as_dvec3());
+        (b - a).cross(c - b).dot(normal)
+    };
+    !(0..n).any(|i| turn(i) < 0.0)
+}
+
+/// Corners in the plane across the unit vector `normal`, round which they run counter-clockwise.
+fn flattened(corners: &[Vec3], normal: DVec3) -> Vec<DVec2> {
     let (x, y) = normal.any_orthonormal_pair();
-    (0..corners.len()).map(|i| DVec2::new(at(i).dot(x), at(i).dot(y))).collect()
+    let from_first = |corner: &Vec3| (*corner - corners[0]).as_dvec3();
+    corners.iter().map(|corner| DVec2::new(from_first(corner).dot(x), from_first(corner).dot(y))).collect()
 }
 
 /// Twice the area of a triangle; positive when it runs counter-clockwise.
 fn area(a: DVec2, b: DVec2, c: DVec2) -> f64 {
     (b - a).perp_dot(c - a)
-}
-
-/// Whether every corner turns left, or not at all. Also what has no area or is not finite, which no cut would mend.
-fn is_convex(flat: &[DVec2]) -> bool {
-    let n = flat.len();
-    !(0..n).any(|i| area(flat[i], flat[(i + 1) % n], flat[(i + 2) % n]) < 0.0)
 }
 
 /// Ears of the polygon `ring`, and what is left of it when no more are found: three corners at best.
@@ -83,6 +92,10 @@ fn is_ear(flat: &[DVec2], ring: &[usize], ear: [usize; 3]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn triangulate(corners: &[Vec3]) -> Vec<[usize; 3]> {
+        cut_concave(corners).unwrap_or_else(|| fan(corners.len()).collect())
+    }
 
     /// A star of `points` points, tilted in space.
     fn star(points: usize, inner: f32) -> Vec<Vec3> {
