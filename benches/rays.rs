@@ -32,9 +32,9 @@ fn soup() -> Scene {
         mesh.triangles.push([0, 1, 2].map(|corner| 3 * triangle + corner));
         mesh.materials.push(0);
     }
-    let whole = Instance { mesh: 0, placement: Placement::IDENTITY };
+    let whole = Instance { mesh: 0, placement: Placement::IDENTITY, motion: None };
     let surface = Surface::Diffuse { reflectance: Colour::constant(Vec3::splat(0.5)) };
-    let grey = Material { name: "grey".into(), surface, emission: Vec3::ZERO };
+    let grey = Material::new("grey", surface, Vec3::ZERO);
     Scene::new(vec![mesh], vec![whole], vec![grey], None).expect("a cube full of triangles")
 }
 

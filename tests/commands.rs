@@ -50,6 +50,23 @@ fn a_missed_target_is_a_negative_answer() {
 }
 
 #[test]
+fn the_sky_may_be_a_picture_and_the_shutter_is_checked() {
+    let workplace = Workplace::new();
+    workplace.must("render box.obj --size 16x8 --spp 1 --uniform --no-denoise --env .1,.2,.3 -o sky.exr --quiet");
+    let render = |flags: &str, to: &str| {
+        workplace.must(&format!("render box.obj --size 8x8 --spp 4 --uniform --no-denoise {flags} -o {to} --quiet"));
+        workplace.bytes(to)
+    };
+    let turned = render("--env sky.exr --env-rotate -90 --env-scale 2", "a.exr");
+    assert_eq!(turned, render("--env sky.exr --env-rotate -90 --env-scale 2 --threads 1", "b.exr"));
+    assert_ne!(turned, render("--env sky.exr", "c.exr"));
+    for (flags, said) in [("--env box.mtl", "box.mtl"), ("--env none.hdr", "none.hdr"), ("--shutter 1,0", "shutter")] {
+        let run = workplace.tamis(&format!("render box.obj --size 8x8 --spp 1 {flags} -o d.exr"));
+        assert!(run.code() == Some(2) && run.stderr().contains(said), "{}", run.stderr());
+    }
+}
+
+#[test]
 fn compare_measures_and_judges() {
     let workplace = Workplace::new();
     workplace.must("render box.obj --size 32x32 --spp 4 --uniform --no-denoise -o noisy.exr --quiet");

@@ -8,7 +8,7 @@ use stack::file::{Convention, Mapping, ReadOptions};
 
 use crate::failure::usage;
 use crate::memory::Bytes;
-use crate::options::{Crop, PictureSize, Triple};
+use crate::options::{Crop, PictureSize, Shutter, Sky, Triple};
 use crate::settings::Settings;
 
 /// Renders a scene on the CPU, or denoises another renderer's feature stack.
@@ -112,6 +112,9 @@ pub struct RenderArgs {
     /// Distance to the plane in focus.
     #[arg(long, value_name = "D", help_heading = "Camera")]
     pub focus_distance: Option<f32>,
+    /// When the shutter opens and closes within the frame, whose time runs from 0 to 1.
+    #[arg(long, value_name = "A,B", allow_hyphen_values = true, help_heading = "Camera")]
+    pub shutter: Option<Shutter>,
     /// Camera of the scene file to use.
     #[arg(long, value_name = "NAME", help_heading = "Camera")]
     pub camera: Option<String>,
@@ -122,9 +125,13 @@ pub struct RenderArgs {
     #[arg(long, value_name = "X,Y,W,H", help_heading = "Camera")]
     pub crop: Option<Crop>,
 
-    /// Radiance of a constant sky; replaces the scene's.
-    #[arg(long, value_name = "R,G,B", help_heading = "Light")]
-    pub env: Option<Triple>,
+    /// Sky that replaces the scene's: a latitude-longitude map (.hdr, .exr, .pfm), or a radiance that is the same
+    /// everywhere.
+    #[arg(long, value_name = "FILE|R,G,B", help_heading = "Light")]
+    pub env: Option<Sky>,
+    /// Turn of the sky's map round the vertical in degrees, counter-clockwise seen from above.
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, help_heading = "Light")]
+    pub env_rotate: Option<f32>,
     /// Factor on the sky's radiance.
     #[arg(long, value_name = "S", help_heading = "Light")]
     pub env_scale: Option<f32>,

@@ -62,7 +62,7 @@ fn describe_scene(file: &Path, loaded: &Loaded) -> Value {
         "dropped": loaded.dropped.degenerate + loaded.dropped.not_finite,
         "materials": surfaces,
         "emitters": scene.emitters.len(),
-        "sky": scene.environment.map(|sky| sky.to_array()),
+        "sky": scene.environment.as_ref().map(|sky| sky.mean().to_array()),
         "bounds": [bounds.min.to_array(), bounds.max.to_array()],
         "cameras": loaded.cameras.iter().map(|(name, _)| name).collect::<Vec<_>>(),
         "notes": loaded.notes,
@@ -74,6 +74,7 @@ const fn surface(surface: &Surface) -> &'static str {
         Surface::Diffuse { .. } => "diffuse",
         Surface::Mirror { .. } => "mirror",
         Surface::Glass { .. } => "glass",
+        Surface::ThinGlass { .. } => "thin glass",
         Surface::Conductor { .. } => "rough metal",
         Surface::Coated { .. } => "coated",
     }

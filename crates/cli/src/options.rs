@@ -1,5 +1,6 @@
 //! Values of flags, read from text and checked.
 
+use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::Duration;
 
@@ -18,6 +19,47 @@ impl FromStr for Triple {
             [x, y, z] if numbers.iter().all(|n| n.is_finite()) => Ok(Self([x, y, z])),
             _ => Err("expected three finite numbers, as in 1,2.5,-3".into()),
         }
+    }
+}
+
+/// When the shutter opens and closes: `a,b`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shutter(pub [f32; 2]);
+
+impl FromStr for Shutter {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match numbers::<f32>(text, ',')?[..] {
+            [open, close] if (0.0..=close).contains(&open) && close <= 1.0 => Ok(Self([open, close])),
+            _ => Err("expected two moments in order, from 0 to 1, as in 0.25,0.75".into()),
+        }
+    }
+}
+
+/// A sky: `r,g,b`, or a file.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Sky {
+    /// The same radiance everywhere.
+    Constant([f32; 3]),
+    /// A latitude-longitude map.
+    Map(PathBuf),
+}
+
+impl FromStr for Sky {
+    type Err = String;
+
+    /// What is made of digits and commas alone is meant as a radiance; all else is a file.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numeric = !text.is_empty() && text.chars().all(|c| c.is_ascii_digit() || ",.+-eE ".contains(c));
+        if !(numeric && text.contains(',')) {
+            return Ok(Self::Map(text.into()));
+        }
+        let Triple(radiance) = text.parse()?;
+        if radiance.iter().any(|c| *c < 0.0) {
+            return Err("expected radiances of at least 0".into());
+        }
+        Ok(Self::Constant(radiance))
     }
 }
 
@@ -115,9 +157,22 @@ mod tests {
     }
 
     #[test]
+    fn a_sky_is_a_radiance_or_a_file() {
+        assert_eq!("1,2,.5".parse(), Ok(Sky::Constant([1.0, 2.0, 0.5])));
+        for file in ["sky.hdr", "a,b.exr", "1", "../1,2,3.hdr"] {
+            assert_eq!(file.parse(), Ok(Sky::Map(file.into())));
+        }
+        for wrong in ["1,2", "1,2,-3", "1,2,3,4", "1e99,0,0"] {
+            assert!(wrong.parse::<Sky>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
     fn triples_and_ranges_are_checked() {
         assert_eq!("-1,2,3.5".parse(), Ok(Triple([-1.0, 2.0, 3.5])));
         assert!("1,2".parse::<Triple>().is_err() && "1,2,nan".parse::<Triple>().is_err());
+        assert_eq!("0,.5".parse(), Ok(Shutter([0.0, 0.5])));
+        assert!(["1,0", "0,2", "-1,0", "0", "0,nan"].iter().all(|wrong| wrong.parse::<Shutter>().is_err()));
         assert_eq!("4..9".parse(), Ok(SampleRange { first: 4, count: 5 }));
         assert!("9..9".parse::<SampleRange>().is_err() && "9".parse::<SampleRange>().is_err());
     }

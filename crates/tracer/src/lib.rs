@@ -3,6 +3,7 @@
 pub mod bsdf;
 pub mod bvh;
 pub mod camera;
+pub mod environment;
 pub mod film;
 pub mod integrator;
 pub mod interaction;

@@ -1,10 +1,11 @@
 //! What a surface is made of, as data: loaders fill it in, `bsdf` turns it into scattering at a point.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
-use crate::texture::Texture;
+use crate::bsdf::{GlassAlbedo, MetalAlbedo};
+use crate::texture::{GreyTexture, Texture};
 
 /// A colour that may vary over the surface: a constant, times a texture when there is one. Linear RGB.
 #[derive(Clone, Debug)]
@@ -19,6 +20,74 @@ impl Colour {
     /// The same colour everywhere.
     pub const fn constant(factor: Vec3) -> Self {
         Self { factor, texture: None }
+    }
+
+    /// The colour at texture coordinates `uv`.
+    #[inline]
+    pub fn at(&self, uv: Vec2) -> Vec3 {
+        self.factor * self.texture.as_ref().map_or(Vec3::ONE, |texture| texture.lookup(uv))
+    }
+
+    /// Its mean over the texture.
+    pub fn mean(&self) -> Vec3 {
+        self.factor * self.texture.as_ref().map_or(Vec3::ONE, |texture| texture.mean())
+    }
+}
+
+/// A number that may vary over the surface: a constant, times a texture when there is one.
+#[derive(Clone, Debug)]
+pub struct Grey {
+    /// The constant.
+    pub factor: f32,
+    /// Multiplied with the constant.
+    pub texture: Option<Arc<GreyTexture>>,
+}
+
+impl Grey {
+    /// The same number everywhere.
+    pub const fn constant(factor: f32) -> Self {
+        Self { factor, texture: None }
+    }
+
+    /// The number at texture coordinates `uv`.
+    #[inline]
+    pub fn at(&self, uv: Vec2) -> f32 {
+        self.factor * self.texture.as_ref().map_or(1.0, |texture| texture.lookup(uv))
+    }
+}
+
+/// What may vary over a surface beside its colours.
+#[derive(Clone, Debug, Default)]
+pub struct SurfaceMaps {
+    /// Share of the surface that is there, 0 … 1; rays pass through the rest as if it were not.
+    pub opacity: Option<Grey>,
+    /// Normals in the tangent frame of the texture coordinates (+x along u, +y along v, +z outwards), each component
+    /// moved from −1 … 1 to 0 … 1.
+    pub normals: Option<Arc<Texture>>,
+    /// Multiplied with the surface's roughness, whose square α is.
+    pub roughness: Option<Arc<GreyTexture>>,
+    /// Share of a coated surface that is metal of the base's colour, 0 … 1.
+    pub metallic: Option<Grey>,
+    /// What single scattering by rough glass sends on; found out when first needed.
+    glass_albedo: OnceLock<GlassAlbedo>,
+    /// The same of rough metal.
+    metal_albedo: OnceLock<MetalAlbedo>,
+}
+
+impl SurfaceMaps {
+    /// Of rough glass of refractive index `ior` and roughness `alpha`, which the map may lower.
+    pub(crate) fn glass_albedo(&self, ior: f32, alpha: f32) -> &GlassAlbedo {
+        self.glass_albedo.get_or_init(|| GlassAlbedo::new(ior, self.only(alpha)))
+    }
+
+    /// Of rough metal of roughness `alpha`, which the map may lower.
+    pub(crate) fn metal_albedo(&self, alpha: f32) -> &MetalAlbedo {
+        self.metal_albedo.get_or_init(|| MetalAlbedo::new(self.only(alpha)))
+    }
+
+    /// `alpha`, when it is the same everywhere.
+    fn only(&self, alpha: f32) -> Option<f32> {
+        self.roughness.is_none().then_some(alpha.min(1.0))
     }
 }
 
@@ -35,11 +104,20 @@ pub enum Surface {
         /// Share of light reflected, 0 … 1.
         reflectance: Colour,
     },
-    /// Clear smooth dielectric. The normal's side is the outside.
+    /// Clear dielectric, smooth or rough (GGX). The normal's side is the outside.
     Glass {
         /// Refractive index of the inside over that of the outside.
         ior: f32,
         /// Tint of what is transmitted, 0 … 1.
+        transmittance: Colour,
+        /// GGX roughness parameter α, 0 … 1; 0 is smooth.
+        alpha: f32,
+    },
+    /// Pane of clear glass that is too thin to shift what is seen through it.
+    ThinGlass {
+        /// Refractive index of the glass over that of what surrounds it.
+        ior: f32,
+        /// Tint of what passes, 0 … 1.
         transmittance: Colour,
     },
     /// Rough metal: GGX with visible normals, Schlick's Fresnel.
@@ -68,5 +146,19 @@ pub struct Material {
     /// How it scatters.
     pub surface: Surface,
     /// Emitted radiance on the side the geometric normal points to; zero for most.
-    pub emission: Vec3,
+    pub emission: Colour,
+    /// What else varies.
+    pub maps: SurfaceMaps,
+}
+
+impl Material {
+    /// A material that emits the same everywhere and has no maps.
+    pub fn new(name: impl Into<String>, surface: Surface, emission: Vec3) -> Self {
+        Self { name: name.into(), surface, emission: Colour::constant(emission), maps: SurfaceMaps::default() }
+    }
+
+    /// Whether any of it emits.
+    pub fn emits(&self) -> bool {
+        self.emission.factor != Vec3::ZERO
+    }
 }

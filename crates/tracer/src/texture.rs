@@ -2,61 +2,116 @@
 
 use glam::{Vec2, Vec3};
 
-/// A decoded image, linear RGB, looked up bilinearly with coordinates that repeat.
+/// A decoded image, looked up bilinearly with coordinates that repeat or stop at the border.
 #[derive(Clone, Debug)]
-pub struct Texture {
+pub struct Raster<T> {
     /// Pixels in a row.
     pub width: usize,
     /// Rows.
     pub height: usize,
-    /// Row-major, top row first, linear RGB.
-    pub texels: Vec<[f32; 3]>,
+    /// Row-major, top row first.
+    pub texels: Vec<T>,
     /// How often the image repeats over one unit of the texture coordinates.
     pub scale: Vec2,
     /// Added to the scaled texture coordinates.
     pub offset: Vec2,
+    /// Whether the image ends at its border, whose colour goes on outside, instead of repeating.
+    pub clamp: bool,
 }
 
-impl Texture {
-    /// A texture that covers texture coordinates 0 … 1 once.
+/// A colour, linear RGB, or three numbers of another kind.
+pub type Texture = Raster<[f32; 3]>;
+
+/// One number a pixel.
+pub type GreyTexture = Raster<f32>;
+
+/// What an image may hold.
+pub trait Texel: Copy {
+    /// What a lookup returns.
+    type Value: Copy;
+
+    /// `self` as the lookup returns it.
+    fn value(self) -> Self::Value;
+
+    /// From `a` to `b` by the share `t`.
+    fn between(a: Self::Value, b: Self::Value, t: f32) -> Self::Value;
+}
+
+impl Texel for [f32; 3] {
+    type Value = Vec3;
+
+    #[inline]
+    fn value(self) -> Vec3 {
+        Vec3::from_array(self)
+    }
+
+    #[inline]
+    fn between(a: Vec3, b: Vec3, t: f32) -> Vec3 {
+        a.lerp(b, t)
+    }
+}
+
+impl Texel for f32 {
+    type Value = f32;
+
+    #[inline]
+    fn value(self) -> f32 {
+        self
+    }
+
+    #[inline]
+    fn between(a: f32, b: f32, t: f32) -> f32 {
+        a * (1.0 - t) + b * t
+    }
+}
+
+impl<T: Texel> Raster<T> {
+    /// A texture that covers texture coordinates 0 … 1 once, and repeats.
     ///
     /// # Panics
     /// When there are not `width` × `height` texels, or none: that is a mistake in the calling code.
-    pub fn new(width: usize, height: usize, texels: Vec<[f32; 3]>) -> Self {
+    pub fn new(width: usize, height: usize, texels: Vec<T>) -> Self {
         assert!(!texels.is_empty() && texels.len() == width * height, "texels must fill the image");
-        Self { width, height, texels, scale: Vec2::ONE, offset: Vec2::ZERO }
+        Self { width, height, texels, scale: Vec2::ONE, offset: Vec2::ZERO, clamp: false }
     }
 
+    /// What the image shows at texture coordinates `uv` (origin at the image's bottom left, as OBJ has it).
+    ///
+    /// Texel centres lie at half-integers. Coordinates that are not finite give the first texel.
+    pub fn lookup(&self, uv: Vec2) -> T::Value {
+        let uv = self.scale * uv + self.offset;
+        let uv = if self.clamp { uv.clamp(Vec2::ZERO, Vec2::ONE) } else { uv };
+        let (x0, x1, fx) = neighbours(uv.x, self.width, self.clamp);
+        let (y0, y1, fy) = neighbours(1.0 - uv.y, self.height, self.clamp);
+        let texel = |x: usize, y: usize| self.texels[y * self.width + x].value();
+        let top = T::between(texel(x0, y0), texel(x1, y0), fx);
+        let bottom = T::between(texel(x0, y1), texel(x1, y1), fx);
+        T::between(top, bottom, fy)
+    }
+}
+
+impl Texture {
     /// Mean colour.
     pub fn mean(&self) -> Vec3 {
         let sum = self.texels.iter().fold(glam::DVec3::ZERO, |sum, &t| sum + Vec3::from_array(t).as_dvec3());
         (sum / self.texels.len() as f64).as_vec3()
     }
-
-    /// Colour at texture coordinates `uv` (origin at the image's bottom left, as OBJ has it).
-    ///
-    /// Texel centres lie at half-integers. Coordinates that are not finite give the first texel.
-    pub fn lookup(&self, uv: Vec2) -> Vec3 {
-        let uv = self.scale * uv + self.offset;
-        let (x0, x1, fx) = neighbours(uv.x, self.width);
-        let (y0, y1, fy) = neighbours(1.0 - uv.y, self.height);
-        let texel = |x: usize, y: usize| Vec3::from_array(self.texels[y * self.width + x]);
-        let top = texel(x0, y0).lerp(texel(x1, y0), fx);
-        let bottom = texel(x0, y1).lerp(texel(x1, y1), fx);
-        top.lerp(bottom, fy)
-    }
 }
 
 /// The two texels round coordinate `c` (1 is the whole image) in a row of `count`, and the weight of the second.
-fn neighbours(c: f32, count: usize) -> (usize, usize, f32) {
-    let position = (c - c.floor()) * count as f32 - 0.5;
+fn neighbours(c: f32, count: usize, clamp: bool) -> (usize, usize, f32) {
+    let within = if clamp { c } else { c - c.floor() };
+    let position = within * count as f32 - 0.5;
     if !position.is_finite() {
         return (0, 0, 0.0);
     }
     let below = position.floor();
-    // The fraction is below 1 but its product may round up to `count`.
-    let first = (below as isize).rem_euclid(count as isize) as usize;
-    (first, (first + 1) % count, position - below)
+    let place = |i: isize| {
+        let last = count as isize - 1;
+        // The fraction is below 1 but its product may round up to `count`.
+        (if clamp { i.clamp(0, last) } else { i.rem_euclid(last + 1) }) as usize
+    };
+    (place(below as isize), place(below as isize + 1), position - below)
 }
 
 #[cfg(test)]
@@ -91,10 +146,28 @@ mod tests {
     }
 
     #[test]
+    fn a_clamped_image_ends_at_its_border() {
+        let t = Texture { clamp: true, ..checker() };
+        for (outside, border) in [([-3.0, 0.75], [0.0, 0.75]), ([0.75, 9.0], [0.75, 1.0]), ([2.0, -2.0], [1.0, 0.0])] {
+            assert_eq!(t.lookup(outside.into()), t.lookup(border.into()));
+        }
+        assert_eq!(t.lookup(Vec2::new(0.0, 1.0)), Vec3::X);
+        assert_eq!(t.lookup(Vec2::new(0.5, 1.0)), 0.5 * Vec3::X);
+    }
+
+    #[test]
+    fn grey_images_are_looked_up_alike() {
+        let grey = GreyTexture::new(2, 2, vec![1.0, 0.0, 0.5, 0.25]);
+        assert_eq!(grey.lookup(Vec2::new(0.25, 0.75)), 1.0);
+        assert_eq!(grey.lookup(Vec2::new(0.5, 0.25)), 0.375);
+    }
+
+    #[test]
     fn coordinates_that_are_not_finite_or_just_below_a_whole_number_stay_inside() {
         let t = checker();
         for c in [f32::NAN, f32::INFINITY, -f32::MIN_POSITIVE, 1.0f32.next_down(), 1e30] {
             assert!(t.lookup(Vec2::new(c, c)).is_finite());
+            assert!(Texture { clamp: true, ..checker() }.lookup(Vec2::new(c, c)).is_finite());
         }
     }
 }

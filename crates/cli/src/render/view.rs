@@ -7,11 +7,12 @@ use anyhow::Result;
 use glam::Vec3;
 use stack::Size;
 use tracer::camera::{Camera, CameraDescription};
-use tracer::scene::{Loaded, RawRender, Scene, guess_camera, guess_environment, load};
+use tracer::environment::Environment;
+use tracer::scene::{Loaded, RawRender, Scene, guess_camera, guess_environment, load, read_environment};
 
 use crate::args::RenderArgs;
 use crate::failure::usage;
-use crate::options::Triple;
+use crate::options::{Sky, Triple};
 use crate::progress::Progress;
 
 /// A scene ready to be rendered.
@@ -65,22 +66,37 @@ fn read(file: &Path, progress: &Progress) -> Result<Loaded> {
 }
 
 fn set_sky(scene: &mut Scene, args: &RenderArgs, progress: &Progress) -> Result<()> {
-    if let Some(Triple(sky)) = args.env {
-        if sky.iter().any(|c| *c < 0.0) {
-            return Err(usage("--env: expected radiances of at least 0"));
-        }
-        scene.environment = Some(Vec3::from(sky));
+    if let Some(sky) = &args.env {
+        scene.environment = Some(given_sky(sky, progress)?);
     } else if let Some(guess) = guess_environment(scene) {
-        scene.environment = Some(guess.value);
+        scene.environment = Some(Environment::constant(guess.value));
         progress.say(&guess.line);
+    }
+    if let Some(degrees) = args.env_rotate {
+        if !degrees.is_finite() {
+            return Err(usage(format!("--env-rotate: expected an angle in degrees, found {degrees}")));
+        }
+        scene.environment = scene.environment.take().map(|sky| sky.turned_to(degrees));
     }
     if let Some(scale) = args.env_scale {
         if !(scale >= 0.0 && scale.is_finite()) {
             return Err(usage(format!("--env-scale: expected a factor of at least 0, found {scale}")));
         }
-        scene.environment = scene.environment.map(|sky| sky * scale);
+        scene.environment = scene.environment.take().map(|sky| sky.scaled(scale));
     }
     Ok(())
+}
+
+/// The sky that a flag names.
+fn given_sky(sky: &Sky, progress: &Progress) -> Result<Environment> {
+    match sky {
+        Sky::Constant(radiance) => Ok(Environment::constant(Vec3::from(*radiance))),
+        Sky::Map(file) => {
+            let (environment, note) = read_environment(file)?;
+            note.iter().for_each(|note| progress.say(note));
+            Ok(environment)
+        }
+    }
 }
 
 /// The camera of the file that was asked for, or its first, or a guess; changed by single flags.
@@ -101,6 +117,7 @@ fn choose_camera(loaded: &Loaded, args: &RenderArgs, progress: &Progress) -> Res
     camera.fov = args.fov.unwrap_or(camera.fov);
     camera.lens_radius = args.lens_radius.unwrap_or(camera.lens_radius);
     camera.focus_distance = args.focus_distance.or(camera.focus_distance);
+    camera.shutter = args.shutter.map_or(camera.shutter, |shutter| shutter.0);
     camera.check()?;
     Ok(camera)
 }

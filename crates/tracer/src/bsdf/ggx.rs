@@ -74,14 +74,32 @@ impl Ggx {
         if incoming.z <= 0.0 {
             return None;
         }
-        let (so, si) = (self.smith(outgoing), self.smith(incoming));
-        let weight = incoming.z * (outgoing.z + so) / (so * incoming.z + si * outgoing.z);
+        let weight = self.reflection_weight(outgoing, incoming);
         Some(Reflection { incoming: incoming.normalize(), facet_cosine, weight })
+    }
+
+    /// G₂/G₁ of both directions, on the same side: f·cos θ ÷ pdf of a reflection.
+    #[inline]
+    pub(super) fn reflection_weight(self, outgoing: Vec3, incoming: Vec3) -> f32 {
+        let (so, si) = (self.smith(outgoing), self.smith(incoming));
+        incoming.z * (outgoing.z + so) / (so * incoming.z + si * outgoing.z)
+    }
+
+    /// Density of visible normals per solid angle, G₁(o) D(h) (o·h) / cos θₒ.
+    #[inline]
+    pub(super) fn visible_density(self, outgoing: Vec3, normal: Vec3) -> f32 {
+        2.0 * self.density(normal) * outgoing.dot(normal).max(0.0) / (outgoing.z + self.smith(outgoing))
+    }
+
+    /// Share of the facets facing `direction` that it reaches, Smith's G₁.
+    #[inline]
+    pub(super) fn masking(self, direction: Vec3) -> f32 {
+        2.0 * direction.z / (direction.z + self.smith(direction))
     }
 
     /// A microfacet normal in proportion to the area that shows towards `outgoing`.
     #[inline]
-    fn sample_visible_normal(self, outgoing: Vec3, u: Vec2) -> Vec3 {
+    pub(super) fn sample_visible_normal(self, outgoing: Vec3, u: Vec2) -> Vec3 {
         let stretched = Vec3::new(self.alpha * outgoing.x, self.alpha * outgoing.y, outgoing.z).normalize();
         let length2 = stretched.x * stretched.x + stretched.y * stretched.y;
         let tangent = if length2 > 0.0 { Vec3::new(-stretched.y, stretched.x, 0.0) / length2.sqrt() } else { Vec3::X };

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::{Coated, Conductor, Diffuse, Glass, Mirror};
+use super::{Coated, Conductor, Diffuse, Glass, Mirror, RoughGlass, ThinGlass};
 
 /// A direction that a lobe has chosen, in its local frame.
 #[derive(Clone, Copy, Debug)]
@@ -26,6 +26,10 @@ pub enum Lobe {
     Mirror(Mirror),
     /// Smooth dielectric.
     Glass(Glass),
+    /// Pane of glass.
+    ThinGlass(ThinGlass),
+    /// Rough dielectric.
+    RoughGlass(RoughGlass),
     /// Rough metal.
     Conductor(Conductor),
     /// Diffuse under a rough coat.
@@ -36,7 +40,13 @@ impl Lobe {
     /// Whether it scatters into single directions only, which nothing but sampling can find.
     #[inline]
     pub const fn is_specular(&self) -> bool {
-        matches!(self, Self::Mirror(_) | Self::Glass(_))
+        matches!(self, Self::Mirror(_) | Self::Glass(_) | Self::ThinGlass(_))
+    }
+
+    /// Whether light from beyond the surface matters to [`evaluate`](Self::evaluate).
+    #[inline]
+    pub const fn is_two_sided(&self) -> bool {
+        matches!(self, Self::RoughGlass(_))
     }
 
     /// Chooses a direction for the light that leaves towards `outgoing`, from a number `choice` in [0, 1) and a point
@@ -47,6 +57,8 @@ impl Lobe {
             Self::Diffuse(diffuse) => diffuse.sample_direction(u),
             Self::Mirror(mirror) => Some(mirror.sample_direction(outgoing)),
             Self::Glass(glass) => Some(glass.sample_direction(outgoing, choice)),
+            Self::ThinGlass(pane) => Some(pane.sample_direction(outgoing, choice)),
+            Self::RoughGlass(glass) => glass.sample_direction(outgoing, choice, u),
             Self::Conductor(conductor) => conductor.sample_direction(outgoing, u),
             Self::Coated(coated) => coated.sample_direction(outgoing, choice, u),
         }
@@ -57,11 +69,12 @@ impl Lobe {
     #[inline]
     pub fn direction_pdf(&self, outgoing: Vec3, incoming: Vec3) -> f32 {
         match self {
+            Self::RoughGlass(glass) => glass.direction_pdf(outgoing, incoming),
             _ if incoming.z <= 0.0 => 0.0,
             Self::Diffuse(diffuse) => diffuse.direction_pdf(incoming),
             Self::Conductor(conductor) => conductor.direction_pdf(outgoing, incoming),
             Self::Coated(coated) => coated.direction_pdf(outgoing, incoming),
-            Self::Mirror(_) | Self::Glass(_) => 0.0,
+            Self::Mirror(_) | Self::Glass(_) | Self::ThinGlass(_) => 0.0,
         }
     }
 
@@ -69,11 +82,12 @@ impl Lobe {
     #[inline]
     pub fn evaluate(&self, outgoing: Vec3, incoming: Vec3) -> Vec3 {
         match self {
+            Self::RoughGlass(glass) => glass.evaluate(outgoing, incoming),
             _ if incoming.z <= 0.0 => Vec3::ZERO,
             Self::Diffuse(diffuse) => diffuse.evaluate(incoming),
             Self::Conductor(conductor) => conductor.evaluate(outgoing, incoming),
             Self::Coated(coated) => coated.evaluate(outgoing, incoming),
-            Self::Mirror(_) | Self::Glass(_) => Vec3::ZERO,
+            Self::Mirror(_) | Self::Glass(_) | Self::ThinGlass(_) => Vec3::ZERO,
         }
     }
 }

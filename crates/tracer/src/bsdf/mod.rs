@@ -10,13 +10,16 @@ mod coat_albedo;
 mod coated;
 mod conductor;
 mod diffuse;
+mod facet_albedo;
 mod frame;
 mod fresnel;
 mod ggx;
 mod glass;
 mod lobe;
 mod mirror;
+mod rough_glass;
 mod surface;
+mod thin_glass;
 
 #[cfg(test)]
 mod albedo_tests;
@@ -28,8 +31,11 @@ mod sampling_tests;
 pub use coated::Coated;
 pub use conductor::Conductor;
 pub use diffuse::Diffuse;
+pub(crate) use facet_albedo::{GlassAlbedo, MetalAlbedo};
 pub(crate) use frame::Frame;
 pub use glass::Glass;
 pub use lobe::{Lobe, Scattered};
 pub use mirror::Mirror;
+pub use rough_glass::RoughGlass;
 pub use surface::{Bsdf, DirectionSample};
+pub use thin_glass::ThinGlass;

@@ -3,11 +3,12 @@
 use glam::{Vec2, Vec3};
 
 use super::frame::Frame;
-use super::{Coated, Conductor, Diffuse, Glass, Lobe, Mirror, Scattered, fresnel};
+use super::{Coated, Conductor, Diffuse, Glass, Lobe, Mirror, RoughGlass, Scattered, ThinGlass, fresnel};
 use crate::interaction::Interaction;
-use crate::material::{Colour, Surface};
+use crate::light::Receiver;
+use crate::material::{Colour, Surface, SurfaceMaps};
 
-/// Metals smoother than this are perfect mirrors: their highlight is narrower than any pixel.
+/// Metals and glass smoother than this are perfectly smooth: their highlight is narrower than any pixel.
 const SMOOTH_ALPHA: f32 = 1e-3;
 
 /// A direction chosen by [`Bsdf::sample_direction`].
@@ -75,10 +76,24 @@ impl Bsdf {
         self.frame.to_world(Vec3::Z)
     }
 
-    /// Whether `direction` lies above both horizons, the shading and the geometric one, on the viewer's side.
+    /// Whether light from beyond the surface matters, too.
     #[inline]
-    pub fn is_above(&self, direction: Vec3) -> bool {
-        self.geometric_normal.dot(direction) > 0.0 && self.normal().dot(direction) > 0.0
+    pub const fn is_two_sided(&self) -> bool {
+        self.lobe.is_two_sided()
+    }
+
+    /// Where it looks for light.
+    #[inline]
+    pub fn receiver(&self) -> Receiver {
+        Receiver { normal: self.normal(), two_sided: self.is_two_sided() }
+    }
+
+    /// Whether light from `direction` can be scattered to the viewer: from above both horizons, the shading and the
+    /// geometric one, or from below both.
+    #[inline]
+    pub fn is_reached_from(&self, direction: Vec3) -> bool {
+        let above = [self.geometric_normal, self.normal()].map(|normal| normal.dot(direction));
+        (above[0] > 0.0 && above[1] > 0.0) || (self.is_two_sided() && above[0] < 0.0 && above[1] < 0.0)
     }
 
     /// Chooses a direction to follow the light back, from a number `choice` in [0, 1) and a point `u` in [0, 1)².
@@ -103,19 +118,25 @@ impl Bsdf {
     /// specular surfaces.
     #[inline]
     pub fn direction_pdf(&self, incoming: Vec3) -> f32 {
-        if self.geometric_normal.dot(incoming) <= 0.0 {
-            return 0.0;
-        }
-        self.lobe.direction_pdf(self.local_outgoing, self.frame.to_local(incoming))
+        self.local_incoming(incoming).map_or(0.0, |local| self.lobe.direction_pdf(self.local_outgoing, local))
     }
 
-    /// f·cos θ for light from the unit vector `incoming`; 0 for specular surfaces and below either horizon.
+    /// f·cos θ for light from the unit vector `incoming`; 0 for specular surfaces, and where shading normal and geometric
+    /// normal do not agree on the side it comes from.
     #[inline]
     pub fn evaluate(&self, incoming: Vec3) -> Vec3 {
-        if self.geometric_normal.dot(incoming) <= 0.0 {
-            return Vec3::ZERO;
+        self.local_incoming(incoming).map_or(Vec3::ZERO, |local| self.lobe.evaluate(self.local_outgoing, local))
+    }
+
+    /// `incoming` in the local frame, unless it could only leak from there.
+    #[inline]
+    fn local_incoming(&self, incoming: Vec3) -> Option<Vec3> {
+        let above = self.geometric_normal.dot(incoming) > 0.0;
+        if !(above || self.is_two_sided()) {
+            return None;
         }
-        self.lobe.evaluate(self.local_outgoing, self.frame.to_local(incoming))
+        let local = self.frame.to_local(incoming);
+        (above == (local.z > 0.0)).then_some(local)
     }
 }
 
@@ -127,7 +148,10 @@ fn above(direction: Vec3) -> Vec3 {
 
 /// The lobe and the albedo feature of `interaction`'s material, seen from the outside or not, with cosine `cosine`.
 fn lobe_at(interaction: &Interaction, outside: bool, cosine: f32) -> (Lobe, Vec3) {
-    let colour = |colour: &Colour| colour_at(colour, interaction.uv);
+    let uv = interaction.uv;
+    let colour = |colour: &Colour| colour_at(colour, uv);
+    let maps = &interaction.material.maps;
+    let roughness = |alpha: &f32| maps.roughness.as_ref().map_or(*alpha, |map| alpha * map.lookup(uv).powi(2));
     match &interaction.material.surface {
         Surface::Diffuse { reflectance } => {
             let reflectance = colour(reflectance);
@@ -137,35 +161,55 @@ fn lobe_at(interaction: &Interaction, outside: bool, cosine: f32) -> (Lobe, Vec3
             let reflectance = colour(reflectance);
             (Lobe::Mirror(Mirror { reflectance }), reflectance)
         }
-        Surface::Glass { ior, transmittance } => {
+        Surface::Glass { ior, transmittance, alpha } => {
             let transmittance = colour(transmittance);
             let eta = if outside { *ior } else { 1.0 / ior };
-            (Lobe::Glass(Glass { eta, transmittance }), transmittance)
+            let alpha_here = roughness(alpha).min(1.0);
+            if alpha_here < SMOOTH_ALPHA {
+                return (Lobe::Glass(Glass { eta, transmittance }), transmittance);
+            }
+            let albedo = maps.glass_albedo(*ior, *alpha).directional(outside, alpha_here, cosine);
+            (Lobe::RoughGlass(RoughGlass::new(eta, transmittance, alpha_here, albedo)), transmittance)
+        }
+        Surface::ThinGlass { ior, transmittance } => {
+            let transmittance = colour(transmittance);
+            (Lobe::ThinGlass(ThinGlass { ior: *ior, transmittance }), transmittance)
         }
         Surface::Conductor { reflectance, alpha } => {
             let reflectance = colour(reflectance);
-            (conductor(reflectance, *alpha, cosine), reflectance)
+            (conductor(reflectance, [*alpha, roughness(alpha)], cosine, maps), reflectance)
         }
         Surface::Coated { diffuse, specular, alpha } => {
             let (diffuse, specular) = (colour(diffuse), colour(specular));
-            let albedo = specular + (Vec3::ONE - specular) * diffuse;
-            (Lobe::Coated(Coated::new(diffuse, specular, *alpha, cosine)), albedo)
+            let metallic = maps.metallic.as_ref().map_or(0.0, |metallic| metallic.at(uv).clamp(0.0, 1.0));
+            if metallic >= 1.0 {
+                return (conductor(diffuse, [*alpha, roughness(alpha)], cosine, maps), diffuse);
+            }
+            coated(diffuse, specular, roughness(alpha), metallic, cosine)
         }
     }
 }
 
-fn conductor(reflectance: Vec3, alpha: f32, cosine: f32) -> Lobe {
+/// A coated base, of which the share `metallic` is a metal of its colour.
+fn coated(base: Vec3, coat: Vec3, alpha: f32, metallic: f32, cosine: f32) -> (Lobe, Vec3) {
+    let (diffuse, specular) = ((1.0 - metallic) * base, coat.lerp(base, metallic));
+    let albedo = specular + (Vec3::ONE - specular) * diffuse;
+    (Lobe::Coated(Coated::new(diffuse, specular, alpha, cosine)), albedo)
+}
+
+/// A metal whose roughness is `alphas[1]` here and `alphas[0]` where the map does not lower it.
+fn conductor(reflectance: Vec3, alphas: [f32; 2], cosine: f32, maps: &SurfaceMaps) -> Lobe {
+    let alpha = alphas[1].min(1.0);
     if alpha < SMOOTH_ALPHA {
-        Lobe::Mirror(Mirror { reflectance: fresnel::schlick(reflectance, cosine) })
-    } else {
-        Lobe::Conductor(Conductor::new(reflectance, alpha.min(1.0)))
+        return Lobe::Mirror(Mirror { reflectance: fresnel::schlick(reflectance, cosine) });
     }
+    let albedo = maps.metal_albedo(alphas[0]).directional(alpha, cosine);
+    Lobe::Conductor(Conductor::new(reflectance, alpha, albedo))
 }
 
 /// `colour` at texture coordinates `uv`, clamped to 0 … 1.
 fn colour_at(colour: &Colour, uv: Vec2) -> Vec3 {
-    let texel = colour.texture.as_ref().map_or(Vec3::ONE, |texture| texture.lookup(uv));
-    (colour.factor * texel).clamp(Vec3::ZERO, Vec3::ONE)
+    colour.at(uv).clamp(Vec3::ZERO, Vec3::ONE)
 }
 
 #[cfg(test)]
@@ -174,7 +218,7 @@ mod tests {
     use crate::material::Material;
 
     fn material(surface: Surface) -> Material {
-        Material { name: "test".into(), surface, emission: Vec3::ZERO }
+        Material::new("test", surface, Vec3::ZERO)
     }
 
     fn seen(material: &Material, normals: [Vec3; 2], outgoing: Vec3) -> Bsdf {
@@ -227,9 +271,10 @@ mod tests {
 
     #[test]
     fn mirror_and_glass_keep_their_energy_at_silhouettes() {
-        for surface in
-            [Surface::Mirror { reflectance: grey(1.0) }, Surface::Glass { ior: 1.5, transmittance: grey(1.0) }]
-        {
+        for surface in [
+            Surface::Mirror { reflectance: grey(1.0) },
+            Surface::Glass { ior: 1.5, transmittance: grey(1.0), alpha: 0.0 },
+        ] {
             let material = material(surface);
             for angle in 0..200 {
                 let (sin, cos) = (angle as f32 / 200.0 * std::f32::consts::TAU).sin_cos();
@@ -255,7 +300,7 @@ mod tests {
 
     #[test]
     fn glass_bends_towards_the_normal_from_outside_and_away_from_inside() {
-        let material = material(Surface::Glass { ior: 1.5, transmittance: grey(1.0) });
+        let material = material(Surface::Glass { ior: 1.5, transmittance: grey(1.0), alpha: 0.0 });
         let outgoing = Vec3::new(0.5, 0.0, 0.75_f32.sqrt());
         let from_outside = seen(&material, [Vec3::Z; 2], outgoing).sample_direction(0.99, Vec2::ZERO).unwrap();
         assert!((from_outside.direction.x + 0.5 / 1.5).abs() < 1e-6);

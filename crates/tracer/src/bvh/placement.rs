@@ -26,6 +26,12 @@ impl Placement {
         sound.then(|| Self { rows: rows_of(&map), inverse: rows_of(&inverse), mirrored: determinant < 0.0 })
     }
 
+    /// The map.
+    pub fn map(&self) -> DAffine3 {
+        let column = |i: usize| glam::DVec3::from_array(self.rows.map(|row| f64::from(row[i])));
+        DAffine3::from_cols(column(0), column(1), column(2), column(3))
+    }
+
     /// Whether it turns left hands into right hands.
     pub fn is_mirrored(&self) -> bool {
         self.mirrored

@@ -15,11 +15,11 @@ fn build(triangles: &[Triangle]) -> TriangleBvh {
 }
 
 fn closest(bvh: &TriangleBvh, ray: &Ray) -> Option<TriangleHit> {
-    bvh.closest(ray, &ShearedRay::new(ray), None, ray.t_max)
+    bvh.closest(ray, &ShearedRay::new(ray), None, ray.t_max, |_| true)
 }
 
 fn occluded(bvh: &TriangleBvh, ray: &Ray) -> bool {
-    bvh.occluded(ray, &ShearedRay::new(ray), None, ray.t_max)
+    bvh.occluded(ray, &ShearedRay::new(ray), None, ray.t_max, |_| true)
 }
 
 /// Möller and Trumbore's test in f64: distance, and the least barycentric weight (negative outside).
@@ -177,9 +177,9 @@ fn a_placed_mesh_is_hit_like_the_same_triangles_moved() {
             let origin = target + 40.0 * random.point();
             let ray = ray(origin, (target + 0.3 * random.point() - origin).normalize());
             let sheared = ShearedRay::new(&ray);
-            let placed = bvh.closest(&ray, &sheared, Some(&placement), f32::INFINITY);
+            let placed = bvh.closest(&ray, &sheared, Some(&placement), f32::INFINITY, |_| true);
             assert_eq!(placed, closest(&world, &ray));
-            assert_eq!(bvh.occluded(&ray, &sheared, Some(&placement), f32::INFINITY), placed.is_some());
+            assert_eq!(bvh.occluded(&ray, &sheared, Some(&placement), f32::INFINITY, |_| true), placed.is_some());
         }
     }
 }

@@ -48,7 +48,7 @@ impl TriangleBvh {
     /// The nearest triangle nearer than `t_max`, with the mesh standing at `placement` if given, else where it is.
     ///
     /// Placed triangles are taken to the ray and not the ray to them, so that distances and errors are those of the
-    /// scene and meshes stay watertight.
+    /// scene and meshes stay watertight. Of the crossings only those count that `counts` lets.
     #[inline]
     pub fn closest(
         &self,
@@ -56,21 +56,32 @@ impl TriangleBvh {
         sheared: &ShearedRay,
         placement: Option<&Placement>,
         t_max: f32,
+        counts: impl Fn(&TriangleHit) -> bool,
     ) -> Option<TriangleHit> {
         let mut nearest = Nearest { hit: None, t_max };
         self.tree.traverse(&self.slab_ray(ray, placement), t_max, |leaf, _| {
-            self.crossings(leaf, sheared, placement, |triangle, at| nearest.offer(triangle, at));
+            self.crossings(leaf, sheared, placement, |triangle, at| nearest.offer(at.on(triangle), &counts));
             ControlFlow::Continue(nearest.t_max)
         });
         nearest.hit
     }
 
-    /// Whether any triangle is nearer than `t_max`, with the mesh standing at `placement`.
+    /// Whether any triangle is nearer than `t_max`, with the mesh standing at `placement`. Of the crossings only those
+    /// count that `counts` lets.
     #[inline]
-    pub fn occluded(&self, ray: &Ray, sheared: &ShearedRay, placement: Option<&Placement>, t_max: f32) -> bool {
+    pub fn occluded(
+        &self,
+        ray: &Ray,
+        sheared: &ShearedRay,
+        placement: Option<&Placement>,
+        t_max: f32,
+        counts: impl Fn(&TriangleHit) -> bool,
+    ) -> bool {
         let mut found = false;
         self.tree.traverse(&self.slab_ray(ray, placement), t_max, |leaf, _| {
-            self.crossings(leaf, sheared, placement, |_, at| found |= at.distance < t_max);
+            self.crossings(leaf, sheared, placement, |triangle, at| {
+                found = found || at.distance < t_max && counts(&at.on(triangle));
+            });
             if found { ControlFlow::Break(()) } else { ControlFlow::Continue(t_max) }
         });
         found
@@ -105,6 +116,13 @@ impl TriangleBvh {
     }
 }
 
+impl Crossing {
+    #[inline]
+    fn on(self, triangle: u32) -> TriangleHit {
+        TriangleHit { triangle, barycentric: self.barycentric, distance: self.distance }
+    }
+}
+
 /// The nearest crossing so far.
 struct Nearest {
     hit: Option<TriangleHit>,
@@ -113,10 +131,10 @@ struct Nearest {
 
 impl Nearest {
     #[inline]
-    fn offer(&mut self, triangle: u32, at: Crossing) {
-        let tie = at.distance == self.t_max && self.hit.is_some_and(|hit| triangle < hit.triangle);
-        if at.distance < self.t_max || tie {
-            self.hit = Some(TriangleHit { triangle, barycentric: at.barycentric, distance: at.distance });
+    fn offer(&mut self, at: TriangleHit, counts: impl Fn(&TriangleHit) -> bool) {
+        let tie = at.distance == self.t_max && self.hit.is_some_and(|hit| at.triangle < hit.triangle);
+        if (at.distance < self.t_max || tie) && counts(&at) {
+            self.hit = Some(at);
             self.t_max = at.distance;
         }
     }

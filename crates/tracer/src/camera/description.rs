@@ -4,6 +4,7 @@ use glam::Vec3;
 use stack::{Fault, Size};
 
 use super::Camera;
+use crate::scene::Motion;
 
 /// A camera without its film.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,12 +23,23 @@ pub struct CameraDescription {
     pub focus_distance: Option<f32>,
     /// When the shutter opens and closes, within the frame 0 … 1.
     pub shutter: [f32; 2],
+    /// How it moves; what is above holds at time 0.
+    pub motion: Option<Motion>,
 }
 
 impl CameraDescription {
     /// A pinhole at `eye` that looks at `look_at`, up being +y, with a field of view of 45° and an open shutter.
     pub const fn looking(eye: Vec3, look_at: Vec3) -> Self {
-        Self { eye, look_at, up: Vec3::Y, fov: 45.0, lens_radius: 0.0, focus_distance: None, shutter: [0.0, 1.0] }
+        Self {
+            eye,
+            look_at,
+            up: Vec3::Y,
+            fov: 45.0,
+            lens_radius: 0.0,
+            focus_distance: None,
+            shutter: [0.0, 1.0],
+            motion: None,
+        }
     }
 
     /// Puts a film into the camera.
@@ -50,6 +62,7 @@ impl CameraDescription {
             lens_radius: self.lens_radius,
             focus_distance: self.focus_distance.unwrap_or(view.length()),
             shutter: self.shutter,
+            motion: self.motion,
             film,
         })
     }

@@ -9,6 +9,7 @@ pub use description::{CameraDescription, CameraError};
 
 use crate::Ray;
 use crate::sampler::warp::sample_disc;
+use crate::scene::Motion;
 
 /// A camera with its film. A lens radius of zero makes it a pinhole.
 ///
@@ -29,6 +30,8 @@ pub struct Camera {
     pub focus_distance: f32,
     /// When the shutter opens and closes, within the frame 0 … 1.
     pub shutter: [f32; 2],
+    /// How it moves; what is above holds at time 0.
+    pub motion: Option<Motion>,
     /// Pixels of the film.
     pub film: Size,
 }
@@ -46,7 +49,12 @@ impl Camera {
         let offset = on_lens.x * right + on_lens.y * up;
         let direction = if self.lens_radius > 0.0 { self.focus_distance * through - offset } else { through };
         let time = self.shutter[0] + time * (self.shutter[1] - self.shutter[0]);
-        Ray { origin: self.eye + offset, direction: direction.normalize(), t_max: f32::INFINITY, time }
+        let (origin, direction) = (self.eye + offset, direction.normalize());
+        let Some(motion) = &self.motion else { return Ray { origin, direction, t_max: f32::INFINITY, time } };
+        let map = motion.at(time);
+        let origin = map.transform_point3(origin.as_dvec3()).as_vec3();
+        let direction = map.transform_vector3(direction.as_dvec3()).normalize().as_vec3();
+        Ray { origin, direction, t_max: f32::INFINITY, time }
     }
 
     /// Unit vectors to the right, up and forward.
@@ -101,6 +109,19 @@ mod tests {
     #[test]
     fn the_plane_of_focus_goes_through_the_point_looked_at_unless_told_otherwise() {
         assert_eq!(description().on(Size::new(8, 8)).unwrap().focus_distance, 10.0);
+    }
+
+    #[test]
+    fn a_moving_camera_is_at_any_moment_where_one_would_stand() {
+        let turn = glam::DVec3::Y * std::f64::consts::FRAC_PI_2;
+        let motion = Motion { translate: glam::DVec3::X, turn, centre: glam::DVec3::new(1.0, 2.0, 3.0) };
+        let moving = CameraDescription { motion: Some(motion), ..description() }.on(Size::new(64, 64)).unwrap();
+        let still =
+            CameraDescription { eye: Vec3::new(2.0, 2.0, 3.0), look_at: Vec3::new(-8.0, 2.0, 3.0), ..description() };
+        let still = still.on(Size::new(64, 64)).unwrap();
+        let (a, b) =
+            (moving.ray(Vec2::new(9.0, 50.0), Vec2::ZERO, 1.0), still.ray(Vec2::new(9.0, 50.0), Vec2::ZERO, 1.0));
+        assert!(close(a.origin, b.origin) && close(a.direction, b.direction), "{a:?} {b:?}");
     }
 
     #[test]

@@ -26,7 +26,7 @@ impl PathTracer<'_> {
         }
         let choice = stream.sample_bits(Decision::light(at.bounce));
         let point = stream.sample_2d(Decision::light_point(at.bounce));
-        let sample = self.lights.sample_light(at.hit, at.bsdf.normal(), choice, point);
+        let sample = self.lights.sample_light(at.hit, at.bsdf.receiver(), choice, point);
         let arrives = sample.is_some_and(|sample| self.arrives(path, at, &sample, adds, notes));
         if notes && !arrives {
             path.record.features.visibility = 0.0;
@@ -35,7 +35,7 @@ impl PathTracer<'_> {
 
     /// Whether the light of `sample` arrives; if so and if `adds`, its contribution is added.
     fn arrives(&self, path: &mut Path, at: &Surface, sample: &LightSample, adds: bool, notes: bool) -> bool {
-        if !at.bsdf.is_above(sample.direction) {
+        if !at.bsdf.is_reached_from(sample.direction) {
             return false;
         }
         let value = at.bsdf.evaluate(sample.direction);

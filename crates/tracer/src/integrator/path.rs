@@ -53,8 +53,8 @@ impl<'a> PathTracer<'a> {
     /// The path meets nothing but the sky.
     fn leave_scene(&self, path: &mut Path, bounce: u32) {
         let direction = path.ray.direction;
-        let share = self.found_share(path.departure, |from| self.lights.sky_pdf(from.normal, direction));
-        path.add_emission(share * self.lights.sky_radiance());
+        let share = self.found_share(path.departure, |from| self.lights.sky_pdf(from.receiver, direction));
+        path.add_emission(share * self.lights.sky_radiance(direction));
         if !path.settled {
             path.set_features(features::of_miss(&path.ray, self.scene.bounds()), true, bounce == 0);
         }
@@ -98,7 +98,7 @@ fn scatter(path: &mut Path, at: &Surface, stream: &Stream) -> bool {
     path.throughput *= sample.weight;
     path.eta_scale *= sample.eta * sample.eta;
     path.specular &= at.bsdf.is_specular();
-    path.departure = sample.pdf.map(|pdf| Departure { pdf, normal: at.bsdf.normal() });
+    path.departure = sample.pdf.map(|pdf| Departure { pdf, receiver: at.bsdf.receiver() });
     path.ray = at.hit.spawn(sample.direction);
     path.throughput != Vec3::ZERO
 }

@@ -4,14 +4,15 @@ use glam::Vec3;
 
 use crate::Ray;
 use crate::film::{FeatureRecord, SampleRecord};
+use crate::light::Receiver;
 
 /// How a path left its last surface, when other directions were possible too.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Departure {
     /// Density per solid angle of the direction taken.
     pub(super) pdf: f32,
-    /// The surface's normal, on the viewer's side.
-    pub(super) normal: Vec3,
+    /// How that surface looks for light.
+    pub(super) receiver: Receiver,
 }
 
 /// A path while it is being followed.

@@ -15,7 +15,7 @@ const SIZE: Size = Size::new(40, 36);
 
 fn scene() -> Scene {
     Pieces::default()
-        .sphere(0.8, (Surface::Glass { ior: 1.5, transmittance: grey(1.0) }, 0.0))
+        .sphere(0.8, (Surface::Glass { ior: 1.5, transmittance: grey(1.0), alpha: 0.0 }, 0.0))
         .quad(Vec3::new(-2.0, -1.0, 2.0), Vec3::X * 4.0, -Vec3::Z * 4.0, (diffuse(0.6), 0.0))
         .quad(Vec3::new(-1.5, 1.0, -0.5), Vec3::X * 0.5, Vec3::Z * 0.5, lamp(8.0))
         .under(Some(0.2))

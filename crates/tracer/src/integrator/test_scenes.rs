@@ -1,13 +1,14 @@
 //! Small scenes whose pictures are known in closed form.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use stack::{ComponentRole, FeatureStack, Silent, Size, Window};
 
 use super::{TraceReport, TraceSettings, trace};
 use crate::camera::{Camera, CameraDescription};
+use crate::environment::Environment;
 use crate::film::Film;
 use crate::material::{Colour, Material, Surface};
-use crate::scene::{Instance, Mesh, Placement, Scene};
+use crate::scene::{Instance, Mesh, Motion, Placement, Scene};
 
 pub(super) fn grey(value: f32) -> Colour {
     Colour::constant(Vec3::splat(value))
@@ -26,20 +27,35 @@ pub(super) fn lamp(radiance: f32) -> (Surface, f32) {
 pub(super) struct Pieces {
     meshes: Vec<Mesh>,
     materials: Vec<Material>,
+    motions: Vec<(usize, Motion)>,
 }
 
 impl Pieces {
     fn add(mut self, positions: Vec<Vec3>, triangles: Vec<[u32; 3]>, (surface, emission): (Surface, f32)) -> Self {
         let material = self.materials.len() as u32;
-        self.materials.push(Material { name: format!("m{material}"), surface, emission: Vec3::splat(emission) });
+        self.materials.push(Material::new(format!("m{material}"), surface, Vec3::splat(emission)));
         let materials = vec![material; triangles.len()];
         self.meshes.push(Mesh { positions, triangles, materials, ..Mesh::default() });
         self
     }
 
+    /// The material of the piece added last.
+    pub(super) fn last_material(&mut self) -> &mut Material {
+        self.materials.last_mut().unwrap()
+    }
+
+    /// Moves the piece added last.
+    pub(super) fn moving(mut self, motion: Motion) -> Self {
+        self.motions.push((self.meshes.len() - 1, motion));
+        self
+    }
+
     /// A parallelogram; its front is the side `a` × `b` points to.
     pub(super) fn quad(self, corner: Vec3, a: Vec3, b: Vec3, material: (Surface, f32)) -> Self {
-        self.add(vec![corner, corner + a, corner + a + b, corner + b], vec![[0, 1, 2], [0, 2, 3]], material)
+        let mut with =
+            self.add(vec![corner, corner + a, corner + a + b, corner + b], vec![[0, 1, 2], [0, 2, 3]], material);
+        with.meshes.last_mut().unwrap().uvs = vec![Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y];
+        with
     }
 
     /// A unit sphere round the origin of flat triangles, scaled by `radius`; turned inside out when that is negative.
@@ -73,9 +89,14 @@ impl Pieces {
     }
 
     pub(super) fn under(self, sky: Option<f32>) -> Scene {
-        let stand = |mesh| Instance { mesh, placement: Placement::IDENTITY };
+        self.under_sky(sky.map(|radiance| Environment::constant(Vec3::splat(radiance))))
+    }
+
+    pub(super) fn under_sky(self, sky: Option<Environment>) -> Scene {
+        let motion = |mesh| self.motions.iter().find(|(of, _)| *of == mesh).map(|(_, motion)| *motion);
+        let stand = |mesh| Instance { mesh, placement: Placement::IDENTITY, motion: motion(mesh) };
         let instances = (0..self.meshes.len()).map(stand).collect();
-        Scene::new(self.meshes, instances, self.materials, sky.map(Vec3::splat)).unwrap()
+        Scene::new(self.meshes, instances, self.materials, sky).unwrap()
     }
 }
 

@@ -1,4 +1,4 @@
-//! Where light comes from: triangles that emit, and a constant sky.
+//! Where light comes from: triangles that emit, and the sky.
 //!
 //! A light is chosen in proportion to its power, so its share of the samples does not depend on where they are needed.
 
@@ -20,6 +20,15 @@ use crate::scene::Scene;
 /// this share of the light samples when there are lamps.
 const LARGEST_SKY_SHARE: f64 = 0.5;
 
+/// Who looks for light.
+#[derive(Clone, Copy, Debug)]
+pub struct Receiver {
+    /// The surface's unit normal, on the viewer's side.
+    pub normal: Vec3,
+    /// Whether light from beyond the surface matters, too.
+    pub two_sided: bool,
+}
+
 /// Light that may arrive at a point.
 #[derive(Clone, Copy, Debug)]
 pub struct LightSample {
@@ -38,20 +47,21 @@ pub struct LightSample {
 pub struct Lights<'a> {
     scene: &'a Scene,
     triangles: AliasTable,
-    sky: Option<Sky>,
+    sky: Option<Sky<'a>>,
     /// Of 2³² choices, those that take the sky.
     sky_choices: u64,
 }
 
 impl<'a> Lights<'a> {
     /// The lights of `scene`. A triangle's power is π A L; the sky's is what falls on a sphere round the scene from
-    /// outside, 4π² r² L.
+    /// outside, 4π² r² L, L being its mean.
     pub fn new(scene: &'a Scene) -> Self {
         let power = |e: &crate::scene::EmissiveTriangle| f64::from(PI * e.area) * mean(e.radiance);
         let triangles = AliasTable::new(&scene.emitters.iter().map(power).collect::<Vec<_>>());
-        let sky = scene.environment.map(|radiance| Sky { radiance });
+        let sky = scene.environment.as_ref().map(|environment| Sky { environment });
         let radius = f64::from(scene.bounds().max.distance(scene.bounds().min)) / 2.0;
-        let sky_power = scene.environment.map_or(0.0, |l| 4.0 * f64::from(PI * PI) * radius * radius * mean(l));
+        let sky_power =
+            scene.environment.as_ref().map_or(0.0, |e| 4.0 * f64::from(PI * PI) * radius * radius * mean(e.mean()));
         let share = match (sky_power > 0.0, triangles.total() > 0.0) {
             (false, _) => 0.0,
             (true, false) => 1.0,
@@ -61,16 +71,16 @@ impl<'a> Lights<'a> {
     }
 
     /// Chooses a light by the whole number `choice` (uniform over 2³²) and a point on it by `u` in [0, 1)², for the
-    /// surface at `from` whose normal on the viewer's side is `normal`. `None` when no light comes from there: there
-    /// is no light, or it shines away.
-    pub fn sample_light(&self, from: &Interaction, normal: Vec3, choice: u32, u: Vec2) -> Option<LightSample> {
+    /// surface `receiver` at `from`. `None` when no light comes from there: there is no light, or it shines away.
+    pub fn sample_light(&self, from: &Interaction, receiver: Receiver, choice: u32, u: Vec2) -> Option<LightSample> {
         let choice = u64::from(choice);
         if choice < self.sky_choices {
-            return self.sky?.sample(from, normal, u).map(|sample| scaled(sample, self.sky_share()));
+            return self.sky?.sample(from, receiver, u).map(|sample| scaled(sample, self.sky_share()));
         }
         let rest = CHOICES - self.sky_choices;
         let index = self.triangles.sample_index(((choice - self.sky_choices) * CHOICES / rest) as u32)?;
-        let sample = triangle::sample(&self.scene.emitters[index], from, u)?;
+        let light = self.scene.emitter_at(index, from.time);
+        let sample = triangle::sample(&light, &self.scene.materials[light.material as usize], from, u)?;
         Some(scaled(sample, self.triangle_share(index)))
     }
 
@@ -78,23 +88,27 @@ impl<'a> Lights<'a> {
     /// emitter `emitter` that `seen` is, at the end of a ray from there. 0 behind it.
     pub fn light_pdf(&self, emitter: u32, seen: &Interaction) -> f32 {
         let index = emitter as usize;
-        self.triangle_share(index) * triangle::pdf(&self.scene.emitters[index], seen)
+        self.triangle_share(index) * triangle::pdf(&self.scene.emitter_at(index, seen.time), seen)
     }
 
-    /// Density per solid angle with which it looks from a surface with `normal` into the sky at `direction`.
-    pub fn sky_pdf(&self, normal: Vec3, direction: Vec3) -> f32 {
-        self.sky_share() * self.sky.map_or(0.0, |sky| sky.pdf(normal, direction))
+    /// Density per solid angle with which it looks from `receiver` into the sky at `direction`.
+    pub fn sky_pdf(&self, receiver: Receiver, direction: Vec3) -> f32 {
+        self.sky_share() * self.sky.map_or(0.0, |sky| sky.pdf(receiver, direction))
     }
 
     /// Radiance that emitter `emitter` sends back along the ray that ended at `seen`; it emits on one side only.
     pub fn emitted(&self, emitter: u32, seen: &Interaction) -> Vec3 {
-        let triangle = &self.scene.emitters[emitter as usize];
-        if triangle.normal.dot(seen.outgoing) > 0.0 { triangle.radiance } else { Vec3::ZERO }
+        let triangle = self.scene.emitter_at(emitter as usize, seen.time);
+        match triangle.normal.dot(seen.outgoing) > 0.0 {
+            false => Vec3::ZERO,
+            true if triangle.varies => seen.material.emission.at(seen.uv),
+            true => triangle.radiance,
+        }
     }
 
-    /// Radiance of the sky.
-    pub fn sky_radiance(&self) -> Vec3 {
-        self.sky.map_or(Vec3::ZERO, |sky| sky.radiance)
+    /// Radiance of the sky at `direction`.
+    pub fn sky_radiance(&self, direction: Vec3) -> Vec3 {
+        self.sky.map_or(Vec3::ZERO, |sky| sky.environment.radiance(direction))
     }
 
     fn sky_share(&self) -> f32 {

@@ -4,11 +4,17 @@ use glam::{Vec2, Vec3};
 
 use super::LightSample;
 use crate::interaction::Interaction;
+use crate::material::Material;
 use crate::sampler::warp::sample_triangle;
 use crate::scene::EmissiveTriangle;
 
 /// A point on `light` as seen from `from`; `None` behind it, in its plane, or on it.
-pub(super) fn sample(light: &EmissiveTriangle, from: &Interaction, u: Vec2) -> Option<LightSample> {
+pub(super) fn sample(
+    light: &EmissiveTriangle,
+    material: &Material,
+    from: &Interaction,
+    u: Vec2,
+) -> Option<LightSample> {
     let weights = sample_triangle(u);
     let corners = light.vertices;
     let point = weights[0] * corners[0] + weights[1] * corners[1] + weights[2] * corners[2];
@@ -20,7 +26,18 @@ pub(super) fn sample(light: &EmissiveTriangle, from: &Interaction, u: Vec2) -> O
         return None;
     }
     let shadow_ray = from.spawn_to(point, light.normal, rounding(weights, corners));
-    Some(LightSample { direction, radiance: light.radiance, pdf, shadow_ray })
+    Some(LightSample { direction, radiance: radiance(light, material, weights), pdf, shadow_ray })
+}
+
+/// Radiance of the point with barycentric coordinates `weights`. A light that is not there everywhere shines by the share
+/// that is: the ray towards it ends before it could pass through.
+fn radiance(light: &EmissiveTriangle, material: &Material, weights: [f32; 3]) -> Vec3 {
+    if !light.varies {
+        return light.radiance;
+    }
+    let uv = weights[0] * light.uvs[0] + weights[1] * light.uvs[1] + weights[2] * light.uvs[2];
+    let opacity = material.maps.opacity.as_ref().map_or(1.0, |opacity| opacity.at(uv).clamp(0.0, 1.0));
+    opacity * material.emission.at(uv)
 }
 
 /// Density per solid angle with which the point `seen` of `light` is sampled from where the ray to it began.

@@ -50,14 +50,25 @@ impl Scene {
 
     #[inline]
     fn closest_in(&self, placed: usize, ray: &Ray, sheared: &ShearedRay, t_max: f32) -> Option<TriangleHit> {
-        let placed = &self.placed[placed];
-        self.meshes[placed.mesh].tree.as_ref()?.closest(ray, sheared, placed.placement.as_ref(), t_max)
+        let stand = &self.placed[placed];
+        let moved = stand.moving.as_ref().map(|moving| moving.at(ray.time));
+        let (mesh, placement) = (&self.meshes[stand.mesh], moved.as_ref().or(stand.placement.as_ref()));
+        let tree = mesh.tree.as_ref()?;
+        if mesh.is_cut_out {
+            return tree.closest(ray, sheared, placement, t_max, |hit| self.is_there(placed, ray, hit));
+        }
+        tree.closest(ray, sheared, placement, t_max, |_| true)
     }
 
     #[inline]
     fn occludes(&self, placed: usize, ray: &Ray, sheared: &ShearedRay) -> bool {
-        let placed = &self.placed[placed];
-        let tree = self.meshes[placed.mesh].tree.as_ref();
-        tree.is_some_and(|tree| tree.occluded(ray, sheared, placed.placement.as_ref(), ray.t_max))
+        let stand = &self.placed[placed];
+        let moved = stand.moving.as_ref().map(|moving| moving.at(ray.time));
+        let (mesh, placement) = (&self.meshes[stand.mesh], moved.as_ref().or(stand.placement.as_ref()));
+        let Some(tree) = &mesh.tree else { return false };
+        if mesh.is_cut_out {
+            return tree.occluded(ray, sheared, placement, ray.t_max, |hit| self.is_there(placed, ray, hit));
+        }
+        tree.occluded(ray, sheared, placement, ray.t_max, |_| true)
     }
 }

@@ -1,7 +1,10 @@
 //! Triangles that emit.
 
-use glam::Vec3;
+use std::borrow::Cow;
 
+use glam::{Vec2, Vec3};
+
+use super::Scene;
 use super::instance::Placed;
 use super::mesh::IndexedMesh;
 use crate::material::Material;
@@ -15,28 +18,59 @@ pub struct EmissiveTriangle {
     pub normal: Vec3,
     /// Area, in squared scene units.
     pub area: f32,
-    /// Emitted radiance, the same in all directions of that side.
+    /// Emitted radiance, the same in all directions of that side; its mean where it varies.
     pub radiance: Vec3,
+    /// Texture coordinates of the corners.
+    pub uvs: [Vec2; 3],
+    /// Index of its material.
+    pub material: u32,
+    /// Whether emission or opacity vary over it.
+    pub varies: bool,
+    /// Which placed mesh it moves with.
+    moves_with: Option<u32>,
 }
 
-/// Lists the emitters of `placed`, in the order of its mesh's emissive triangles.
+impl Scene {
+    /// Emitter `index` where it is at `time`.
+    #[inline]
+    pub fn emitter_at(&self, index: usize, time: f32) -> Cow<'_, EmissiveTriangle> {
+        let emitter = &self.emitters[index];
+        let Some(placed) = emitter.moves_with else { return Cow::Borrowed(emitter) };
+        let Some(moving) = &self.placed[placed as usize].moving else { return Cow::Borrowed(emitter) };
+        let vertices = emitter.vertices.map(|vertex| moving.carried(vertex, time));
+        Cow::Owned(EmissiveTriangle { vertices, normal: moving.turned(emitter.normal, time), ..*emitter })
+    }
+}
+
+/// Lists the emitters of `placed`, which is number `number`, in the order of its mesh's emissive triangles.
 pub(super) fn emitters_of<'a>(
     mesh: &'a IndexedMesh,
     placed: &'a Placed,
+    number: u32,
     materials: &'a [Material],
 ) -> impl Iterator<Item = EmissiveTriangle> + 'a {
     (0..mesh.mesh.triangles.len()).filter(|&t| emits(mesh, t, materials)).map(move |t| {
-        let vertices = placed.corners(mesh, t as u32);
+        let vertices = Placed::corners(mesh, t as u32, placed.placement.as_ref());
         let cross = placed.cross(vertices);
         let normal = cross.normalize().as_vec3();
-        let radiance = materials[mesh.mesh.materials[t] as usize].emission;
-        EmissiveTriangle { vertices, normal, area: (0.5 * cross.length()) as f32, radiance }
+        let index = mesh.mesh.materials[t];
+        let material = &materials[index as usize];
+        EmissiveTriangle {
+            vertices,
+            normal,
+            area: (0.5 * cross.length()) as f32,
+            radiance: material.emission.mean(),
+            uvs: mesh.mesh.corner_uvs(t as u32),
+            material: index,
+            varies: material.emission.texture.is_some() || material.maps.opacity.is_some(),
+            moves_with: placed.moving.map(|_| number),
+        }
     })
 }
 
 /// Whether triangle `triangle` of `mesh` emits.
 fn emits(mesh: &IndexedMesh, triangle: usize, materials: &[Material]) -> bool {
-    materials[mesh.mesh.materials[triangle] as usize].emission != Vec3::ZERO
+    materials[mesh.mesh.materials[triangle] as usize].emits()
 }
 
 /// For each triangle of `mesh` its rank among those that emit; `u32::MAX` for the others. Empty when none does.

@@ -96,6 +96,17 @@ pub enum SceneError {
         /// What is wrong.
         source: CameraError,
     },
+    /// A picture that cannot be read.
+    #[error(transparent)]
+    Picture(#[from] stack::file::FileError),
+    /// A picture that is none.
+    #[error("{}: cannot be read as a picture: {reason}; convert it to .hdr or .exr", path.display())]
+    BadPicture {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
     /// An index in a mesh or instance points to nothing.
     #[error("{what} {index} does not exist: there are {count}")]
     BadIndex {
@@ -122,6 +133,7 @@ impl SceneError {
     pub fn fault(&self) -> Fault {
         match self {
             Self::Unreadable { .. } => Fault::Machine,
+            Self::Picture(cause) => cause.fault(),
             _ => Fault::Input,
         }
     }

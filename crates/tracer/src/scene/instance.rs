@@ -4,7 +4,8 @@ use glam::{DVec3, Vec3};
 
 use super::emitters::{EmissiveTriangle, emitters_of, ranks};
 use super::mesh::{IndexedMesh, Mesh};
-use super::{Bounds, Placement};
+use super::motion::MovingPlacement;
+use super::{Bounds, Motion, Placement};
 use crate::bvh::WideBvh;
 use crate::material::Material;
 
@@ -13,27 +14,31 @@ use crate::material::Material;
 pub struct Instance {
     /// Index of the mesh.
     pub mesh: usize,
-    /// Where it stands.
+    /// Where it stands; at time 0, when it moves.
     pub placement: Placement,
+    /// How it moves.
+    pub motion: Option<Motion>,
 }
 
 /// A mesh standing in the scene, ready for rays.
 #[derive(Debug)]
 pub(super) struct Placed {
     pub(super) mesh: usize,
-    /// `None` when the mesh is in scene space already.
+    /// `None` when the mesh is in scene space already. When it moves, its place at time 0.
     pub(super) placement: Option<Placement>,
+    pub(super) moving: Option<MovingPlacement>,
+    /// All of it at any time.
     pub(super) bounds: Bounds,
     /// For each triangle its index among the scene's emitters; `u32::MAX` for none. Empty when none emits.
     pub(super) emitters: Vec<u32>,
 }
 
 impl Placed {
-    /// Corners of a triangle, in scene space.
+    /// Corners of a triangle, in scene space, with the mesh standing at `placement`.
     #[inline]
-    pub(super) fn corners(&self, mesh: &IndexedMesh, triangle: u32) -> [Vec3; 3] {
+    pub(super) fn corners(mesh: &IndexedMesh, triangle: u32, placement: Option<&Placement>) -> [Vec3; 3] {
         let corners = mesh.mesh.corners(triangle);
-        self.placement.as_ref().map_or(corners, |placement| corners.map(|c| placement.point(c)))
+        placement.map_or(corners, |placement| corners.map(|c| placement.point(c)))
     }
 
     /// Twice the area times the unit normal, on the side of the winding in the mesh's own space: a mirrored mesh keeps
@@ -52,20 +57,21 @@ pub(super) fn cross(corners: [Vec3; 3]) -> DVec3 {
     (b - a).cross(c - a)
 }
 
-/// A mesh and where it stands; nowhere in particular when it is in scene space already.
-pub(super) type Stand = (usize, Option<Placement>);
+/// A mesh and where it stands, nowhere in particular when it is in scene space already; and how it moves.
+pub(super) type Stand = (usize, Option<Placement>, Option<Motion>);
 
-/// Merges all meshes that stand in the scene once into the first mesh returned.
+/// Merges all meshes that stand in the scene once and do not move into the first mesh returned.
 pub(super) fn merge_single(mut meshes: Vec<Mesh>, instances: &[Instance]) -> (Vec<Mesh>, Vec<Stand>) {
     let mut uses = vec![0; meshes.len()];
     instances.iter().for_each(|instance| uses[instance.mesh] += 1);
     let mut merged = Mesh::default();
-    for instance in instances.iter().filter(|i| uses[i.mesh] == 1) {
+    let is_merged = |i: &&Instance| uses[i.mesh] == 1 && i.motion.is_none();
+    for instance in instances.iter().filter(is_merged) {
         merged.append(std::mem::take(&mut meshes[instance.mesh]).moved(&instance.placement));
     }
-    let shared = instances.iter().filter(|i| uses[i.mesh] > 1);
-    let mut stands = vec![(0, None)];
-    stands.extend(shared.map(|i| (i.mesh + 1, Some(i.placement))));
+    let others = instances.iter().filter(|i| !is_merged(i));
+    let mut stands = vec![(0, None, None)];
+    stands.extend(others.map(|i| (i.mesh + 1, Some(i.placement), i.motion)));
     meshes.insert(0, merged);
     (meshes, stands)
 }
@@ -77,18 +83,20 @@ pub(super) fn place(
     materials: &[Material],
 ) -> (Vec<Placed>, Vec<EmissiveTriangle>) {
     let (mut all, mut emitters) = (vec![], vec![]);
-    for &(index, placement) in stands {
+    for &(index, placement, motion) in stands {
         let mesh = &meshes[index];
         if mesh.tree.is_none() {
             continue;
         }
         let at = |p: &Vec3| placement.as_ref().map_or(*p, |placement| placement.point(*p));
-        let bounds = Bounds::of(mesh.used_positions().map(at));
+        let moving = placement.zip(motion).map(|(start, motion)| MovingPlacement::new(start, motion));
+        let still = || Bounds::of(mesh.used_positions().map(at));
+        let bounds = moving.map_or_else(still, |moving| moving.sweep(mesh.used_positions()));
         let first = emitters.len() as u32;
         let shift = |rank: u32| if rank == u32::MAX { rank } else { first + rank };
         let ranks = ranks(mesh, materials).into_iter().map(shift).collect();
-        let placed = Placed { mesh: index, placement, bounds, emitters: ranks };
-        emitters.extend(emitters_of(mesh, &placed, materials));
+        let placed = Placed { mesh: index, placement, moving, bounds, emitters: ranks };
+        emitters.extend(emitters_of(mesh, &placed, all.len() as u32, materials));
         all.push(placed);
     }
     (all, emitters)

@@ -6,11 +6,13 @@ use std::time::Instant;
 
 use stack::file::extension;
 
-use super::description::{RawRender, SceneDescription, read_description};
+use super::description::{RawRender, SceneDescription, SkyDescription, read_description};
+use super::environment_file::read_environment;
 use super::notes::Notes;
-use super::obj::read_obj;
+use super::obj::{find_file, read_obj};
 use super::{Dropped, Instance, Mesh, Placement, Scene, SceneError};
 use crate::camera::CameraDescription;
+use crate::environment::Environment;
 use crate::material::Material;
 
 /// A scene and what its files say besides.
@@ -51,8 +53,8 @@ pub fn load(path: &Path) -> Result<Loaded, SceneError> {
 fn load_obj(path: &Path) -> Result<Loaded, SceneError> {
     let mut parts = Parts::default();
     let mesh = parts.mesh(path)?;
-    parts.instances.push(Instance { mesh, placement: Placement::IDENTITY });
-    parts.finish(SceneDescription::default())
+    parts.instances.push(Instance { mesh, placement: Placement::IDENTITY, motion: None });
+    parts.finish(SceneDescription::default(), None)
 }
 
 fn load_toml(path: &Path) -> Result<Loaded, SceneError> {
@@ -61,12 +63,13 @@ fn load_toml(path: &Path) -> Result<Loaded, SceneError> {
     let mut parts = Parts::default();
     for geometry in &description.geometry {
         let mesh = parts.mesh(&folder.join(&geometry.file))?;
-        parts.instances.push(Instance { mesh, placement: geometry.placement });
+        parts.instances.push(Instance { mesh, placement: geometry.placement, motion: geometry.motion });
     }
     for change in std::mem::take(&mut description.material_changes) {
         change.apply(&mut parts.materials)?;
     }
-    parts.finish(description)
+    let environment = description.environment.take().map(|sky| parts.environment(folder, sky)).transpose()?;
+    parts.finish(description, environment)
 }
 
 /// What a scene is made of, while files are read.
@@ -98,16 +101,31 @@ impl Parts {
         Ok(self.meshes.len() - 1)
     }
 
-    fn finish(self, description: SceneDescription) -> Result<Loaded, SceneError> {
+    /// The sky; its map's file is looked for in `folder`.
+    fn environment(&mut self, folder: &Path, sky: SkyDescription) -> Result<Environment, SceneError> {
+        match sky {
+            SkyDescription::Constant(radiance) => Ok(Environment::constant(radiance)),
+            SkyDescription::Map { file, rotate, scale } => {
+                let found = find_file(folder, &file.to_string_lossy()).unwrap_or_else(|| folder.join(&file));
+                let (environment, note) = read_environment(&found)?;
+                note.into_iter().for_each(|note| self.notes.add(note));
+                Ok(environment.turned_to(rotate).scaled(scale))
+            }
+        }
+    }
+
+    fn finish(self, description: SceneDescription, environment: Option<Environment>) -> Result<Loaded, SceneError> {
         let start = Instant::now();
-        let scene = Scene::new(self.meshes, self.instances, self.materials, description.environment)?;
+        let scene = Scene::new(self.meshes, self.instances, self.materials, environment)?;
+        let mut notes = self.notes;
+        scene.dropped().said().into_iter().for_each(|note| notes.add(note));
         Ok(Loaded {
             build_seconds: start.elapsed().as_secs_f64(),
             triangles: scene.triangles(),
             dropped: scene.dropped(),
             scene,
             cameras: description.cameras,
-            notes: self.notes.into_lines(),
+            notes: notes.into_lines(),
             render: description.render,
         })
     }

@@ -17,6 +17,8 @@ pub(super) struct Look {
     pub(super) metallic: f32,
     /// 0 … 1; from one half on it is glass.
     pub(super) transmission: f32,
+    /// Whether glass is a pane too thin to refract.
+    pub(super) thin: bool,
     /// Refractive index.
     pub(super) ior: f32,
 }
@@ -37,6 +39,7 @@ impl Look {
             alpha: None,
             metallic: 0.0,
             transmission: 0.0,
+            thin: false,
             ior: 1.5,
         };
         match surface {
@@ -45,7 +48,12 @@ impl Look {
             Surface::Conductor { reflectance, alpha } => {
                 Self { metallic: 1.0, alpha: Some(*alpha), ..plain(reflectance) }
             }
-            Surface::Glass { ior, transmittance } => Self { transmission: 1.0, ior: *ior, ..plain(transmittance) },
+            Surface::Glass { ior, transmittance, alpha } => {
+                Self { transmission: 1.0, ior: *ior, alpha: Some(*alpha), ..plain(transmittance) }
+            }
+            Surface::ThinGlass { ior, transmittance } => {
+                Self { transmission: 1.0, thin: true, ior: *ior, ..plain(transmittance) }
+            }
             Surface::Coated { diffuse, specular, alpha } => {
                 Self { coat: specular.clone(), alpha: Some(*alpha), ..plain(diffuse) }
             }
@@ -62,7 +70,11 @@ impl Look {
     /// The surface. Roughness or metalness without a coat bring the common one.
     pub(super) fn surface(self) -> Surface {
         if self.transmission >= 0.5 {
-            return Surface::Glass { ior: self.ior, transmittance: capped(self.base) };
+            let (ior, transmittance) = (self.ior, capped(self.base));
+            return match self.thin {
+                true => Surface::ThinGlass { ior, transmittance },
+                false => Surface::Glass { ior, transmittance, alpha: self.alpha.unwrap_or(0.0) },
+            };
         }
         if self.metallic >= 1.0 {
             return metal(self.base, self.alpha);
@@ -111,7 +123,8 @@ mod tests {
             Surface::Diffuse { reflectance: c(0.3) },
             Surface::Mirror { reflectance: c(0.9) },
             Surface::Conductor { reflectance: c(0.8), alpha: 0.2 },
-            Surface::Glass { ior: 1.3, transmittance: c(0.7) },
+            Surface::Glass { ior: 1.3, transmittance: c(0.7), alpha: 0.09 },
+            Surface::ThinGlass { ior: 1.3, transmittance: c(0.7) },
             Surface::Coated { diffuse: c(0.5), specular: c(0.04), alpha: 0.1 },
         ];
         for surface in surfaces {

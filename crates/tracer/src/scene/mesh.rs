@@ -5,6 +5,7 @@ use glam::{Vec2, Vec3};
 use super::instance::cross;
 use super::{Instance, Placement, SceneError};
 use crate::bvh::TriangleBvh;
+use crate::material::Material;
 
 /// Triangles over shared vertices.
 #[derive(Clone, Debug, Default)]
@@ -30,6 +31,18 @@ pub struct Dropped {
     pub not_finite: usize,
 }
 
+impl Dropped {
+    /// One sentence for each kind that there is.
+    pub(super) fn said(&self) -> Vec<String> {
+        let kinds = [
+            (self.degenerate, "without area"),
+            (self.not_finite, "with coordinates that are NaN, infinite or too large"),
+        ];
+        let some = kinds.into_iter().filter(|(count, _)| *count > 0);
+        some.map(|(count, what)| format!("{count} triangles {what} left out")).collect()
+    }
+}
+
 /// Coordinates beyond this magnitude overflow f32 in differences and sums of products with unit vectors.
 const GREATEST_COORDINATE: f32 = f32::MAX / 16.0;
 
@@ -38,6 +51,13 @@ impl Mesh {
     #[inline]
     pub(super) fn corners(&self, triangle: u32) -> [Vec3; 3] {
         self.triangles[triangle as usize].map(|v| self.positions[v as usize])
+    }
+
+    /// Texture coordinates of a triangle's corners; zero where the mesh has none.
+    #[inline]
+    pub(super) fn corner_uvs(&self, triangle: u32) -> [Vec2; 3] {
+        let corners = self.triangles[triangle as usize];
+        corners.map(|v| if self.uvs.is_empty() { Vec2::ZERO } else { self.uvs[v as usize] })
     }
 
     /// The mesh with its vertices where `placement` puts them. A mirrored mesh is wound the other way round, so that
@@ -98,18 +118,21 @@ pub(super) struct IndexedMesh {
     pub(super) mesh: Mesh,
     /// `None` when there are no triangles.
     pub(super) tree: Option<TriangleBvh>,
+    /// Whether rays may pass through some of its triangles.
+    pub(super) is_cut_out: bool,
 }
 
 impl IndexedMesh {
     /// Drops and counts useless triangles, then builds the tree.
-    pub(super) fn build(mut mesh: Mesh, dropped: &mut Dropped) -> Self {
+    pub(super) fn build(mut mesh: Mesh, materials: &[Material], dropped: &mut Dropped) -> Self {
         mesh.clean(dropped);
         let tree = TriangleBvh::build(mesh.triangles.len() as u32, |t| mesh.corners(t));
-        Self { mesh, tree }
+        let is_cut_out = mesh.materials.iter().any(|&m| materials[m as usize].maps.opacity.is_some());
+        Self { mesh, tree, is_cut_out }
     }
 
     /// Positions that triangles use.
-    pub(super) fn used_positions(&self) -> impl Iterator<Item = &Vec3> {
+    pub(super) fn used_positions(&self) -> impl Iterator<Item = &Vec3> + Clone {
         self.mesh.triangles.iter().flatten().map(|&v| &self.mesh.positions[v as usize])
     }
 }

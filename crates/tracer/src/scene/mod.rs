@@ -1,31 +1,37 @@
 //! What is rendered: meshes, materials, emitters, sky; and how files become one.
 
 mod closest;
+mod cut_out;
 mod description;
 mod emitters;
+mod environment_file;
 mod error;
 mod guess;
 mod instance;
 mod load;
 mod look;
 mod mesh;
+mod motion;
 mod mtl;
 mod notes;
 mod obj;
+mod picture_file;
+mod relief;
 mod source;
 mod surface;
-
-use glam::Vec3;
 
 pub use crate::bvh::{Bounds, Placement};
 pub use description::{RawRender, RenderEntry, nearest_name};
 pub use emitters::EmissiveTriangle;
+pub use environment_file::read_environment;
 pub use error::{Place, SceneError};
 pub use guess::{Guess, guess_camera, guess_environment};
 pub use instance::Instance;
 pub use load::{Loaded, load};
 pub use mesh::{Dropped, Mesh};
+pub use motion::Motion;
 
+use crate::environment::Environment;
 use crate::material::Material;
 use instance::{InstanceTree, Placed};
 use mesh::IndexedMesh;
@@ -37,8 +43,8 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// Every triangle that emits, in scene space.
     pub emitters: Vec<EmissiveTriangle>,
-    /// Radiance of a constant sky, if there is one.
-    pub environment: Option<Vec3>,
+    /// The sky, if there is one.
+    pub environment: Option<Environment>,
     meshes: Vec<IndexedMesh>,
     placed: Vec<Placed>,
     /// Tree over `placed`, when there is more than one.
@@ -58,12 +64,13 @@ impl Scene {
         meshes: Vec<Mesh>,
         instances: Vec<Instance>,
         materials: Vec<Material>,
-        environment: Option<Vec3>,
+        environment: Option<Environment>,
     ) -> Result<Self, SceneError> {
         mesh::check(&meshes, &instances, materials.len())?;
         let mut dropped = Dropped::default();
         let (meshes, stands) = instance::merge_single(meshes, &instances);
-        let meshes: Vec<_> = meshes.into_iter().map(|mesh| IndexedMesh::build(mesh, &mut dropped)).collect();
+        let meshes: Vec<_> =
+            meshes.into_iter().map(|mesh| IndexedMesh::build(mesh, &materials, &mut dropped)).collect();
         let (placed, emitters) = instance::place(&meshes, &stands, &materials);
         let bounds = placed.iter().map(|p| p.bounds).reduce(Bounds::union);
         let bounds = bounds.ok_or(SceneError::Empty { dropped })?;

@@ -2,9 +2,10 @@
 
 use glam::{Vec2, Vec3};
 
-use super::Scene;
 use super::instance::Placed;
 use super::mesh::Mesh;
+use super::relief;
+use super::{Placement, Scene};
 use crate::Ray;
 use crate::bvh::TriangleHit;
 use crate::interaction::Interaction;
@@ -18,20 +19,31 @@ impl Scene {
         let placed = &self.placed[placed];
         let indexed = &self.meshes[placed.mesh];
         let mesh = &indexed.mesh;
-        let corners = placed.corners(indexed, hit.triangle);
+        let moved = placed.moving.as_ref().map(|moving| moving.at(ray.time));
+        let placement = moved.as_ref().or(placed.placement.as_ref());
+        let corners = Placed::corners(indexed, hit.triangle, placement);
         let weighted: [Vec3; 3] = std::array::from_fn(|i| hit.barycentric[i] * corners[i]);
         let geometric_normal = placed.cross(corners).normalize().as_vec3();
+        let material = &self.materials[mesh.materials[hit.triangle as usize] as usize];
+        let smooth = shading_normal(mesh, placement, hit, geometric_normal);
+        let uv = mesh.uv(hit);
+        let shading_normal = match &material.maps.normals {
+            Some(map) => {
+                relief::normal(map.lookup(uv), smooth, geometric_normal, corners, mesh.corner_uvs(hit.triangle))
+            }
+            None => smooth,
+        };
         Interaction {
             position: weighted[0] + weighted[1] + weighted[2],
             position_error: GAMMA_7 * (weighted[0].abs() + weighted[1].abs() + weighted[2].abs()),
             geometric_normal,
-            shading_normal: shading_normal(mesh, placed, hit, geometric_normal),
-            uv: uv(mesh, hit),
+            shading_normal,
+            uv,
             outgoing: -ray.direction,
             distance: hit.distance,
             time: ray.time,
             emitter: placed.emitters.get(hit.triangle as usize).copied().filter(|&e| e != u32::MAX),
-            material: &self.materials[mesh.materials[hit.triangle as usize] as usize],
+            material,
         }
     }
 }
@@ -47,12 +59,12 @@ where
 }
 
 /// Interpolated normal on the side of the geometric one; the geometric one where vertices have none.
-fn shading_normal(mesh: &Mesh, placed: &Placed, hit: &TriangleHit, geometric: Vec3) -> Vec3 {
+fn shading_normal(mesh: &Mesh, placement: Option<&Placement>, hit: &TriangleHit, geometric: Vec3) -> Vec3 {
     if mesh.normals.is_empty() {
         return geometric;
     }
     let own = interpolate(&mesh.normals, mesh, hit);
-    let there = placed.placement.as_ref().map_or(own, |placement| placement.normal(own));
+    let there = placement.map_or(own, |placement| placement.normal(own));
     match there.try_normalize() {
         Some(normal) if normal.dot(geometric) > 0.0 => normal,
         Some(normal) if normal.dot(geometric) < 0.0 => -normal,
@@ -60,6 +72,10 @@ fn shading_normal(mesh: &Mesh, placed: &Placed, hit: &TriangleHit, geometric: Ve
     }
 }
 
-fn uv(mesh: &Mesh, hit: &TriangleHit) -> Vec2 {
-    if mesh.uvs.is_empty() { Vec2::ZERO } else { interpolate(&mesh.uvs, mesh, hit) }
+impl Mesh {
+    /// Texture coordinates at a hit; zero where the mesh has none.
+    #[inline]
+    pub(super) fn uv(&self, hit: &TriangleHit) -> Vec2 {
+        if self.uvs.is_empty() { Vec2::ZERO } else { interpolate(&self.uvs, self, hit) }
+    }
 }

@@ -8,7 +8,7 @@ use crate::material::{Colour, Material, Surface};
 
 fn grey(emission: Vec3) -> Material {
     let surface = Surface::Diffuse { reflectance: Colour::constant(Vec3::splat(0.5)) };
-    Material { name: "grey".into(), surface, emission }
+    Material::new("grey", surface, emission)
 }
 
 /// The square [0, 1]² at z = 0, facing +z; its first triangle is of material 0, the second of material 1.
@@ -24,7 +24,7 @@ fn square() -> Mesh {
 
 fn standing(mesh: usize, scale: DVec3, translation: DVec3) -> Instance {
     let map = DAffine3::from_scale_rotation_translation(scale, glam::DQuat::IDENTITY, translation);
-    Instance { mesh, placement: Placement::new(map).unwrap() }
+    Instance { mesh, placement: Placement::new(map).unwrap(), motion: None }
 }
 
 fn materials() -> Vec<Material> {

@@ -212,7 +212,7 @@ mod tests {
             let path = write_room(folder.path(), 5, number).unwrap();
             let loaded = load(&path).unwrap();
             assert!(loaded.cameras[0].1.check().is_ok());
-            assert!(loaded.scene.materials.iter().any(|material| material.emission != Vec3::ZERO));
+            assert!(loaded.scene.materials.iter().any(|material| material.emits()));
             texts.push(std::fs::read_to_string(path.with_extension("obj")).unwrap());
         }
         assert_eq!(texts[0], texts[4]);

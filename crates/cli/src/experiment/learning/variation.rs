@@ -7,6 +7,7 @@ use anyhow::{Context, Result};
 use glam::Vec3;
 use reconstruct::network::Numbers;
 use tracer::camera::CameraDescription;
+use tracer::environment::Environment;
 use tracer::material::Material;
 use tracer::scene::{Loaded, load};
 
@@ -37,7 +38,7 @@ fn varied(loaded: &Loaded, files: &[&str], place: &Path, numbers: &mut Numbers) 
     if let Some((_, camera)) = loaded.cameras.first() {
         text.push_str(&camera_table(&varied_camera(camera, numbers)));
     }
-    if let Some(sky) = loaded.scene.environment {
+    if let Some(sky) = loaded.scene.environment.as_ref().and_then(Environment::constant_radiance) {
         let _ = write!(text, "[environment]\ncolor = {:?}\n\n", varied_light(sky, 1.5, numbers).to_array());
     }
     for file in files {
@@ -80,8 +81,8 @@ fn varied_light(light: Vec3, stops: f32, numbers: &mut Numbers) -> Vec3 {
 /// Changes to a material: a lamp's light, or perhaps colour, roughness and coat of anything else.
 fn material_table(material: &Material, numbers: &mut Numbers) -> String {
     let mut text = format!("[material.{:?}]\n", material.name);
-    if material.emission != Vec3::ZERO {
-        let _ = write!(text, "emission = {:?}\n\n", varied_light(material.emission, 1.5, numbers).to_array());
+    if material.emits() {
+        let _ = write!(text, "emission = {:?}\n\n", varied_light(material.emission.factor, 1.5, numbers).to_array());
         return text;
     }
     let mut any = || 0.5 + 0.5 * numbers.symmetric() as f32;

@@ -6,8 +6,9 @@ use glam::Vec3;
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::super::SceneError;
+use super::super::{Motion, SceneError};
 use super::mistakes::Lines;
+use super::motion_table::MotionTable;
 use crate::camera::CameraDescription;
 
 /// A camera; all but `eye` and `look_at` may be left out.
@@ -23,6 +24,7 @@ pub(super) struct CameraTable {
     lens_radius: Option<Spanned<f32>>,
     focus_distance: Option<Spanned<f32>>,
     shutter: Option<Spanned<[f32; 2]>>,
+    motion: Option<Spanned<MotionTable>>,
 }
 
 impl CameraTable {
@@ -35,11 +37,18 @@ impl CameraTable {
             lens_radius: value(&self.lens_radius).unwrap_or(plain.lens_radius),
             focus_distance: value(&self.focus_distance),
             shutter: value(&self.shutter).unwrap_or(plain.shutter),
+            motion: self.motion(plain.eye, lines)?,
             ..plain
         };
         let refuse = |source| SceneError::Camera { place: lines.at(self.span_of(&source).start), source };
         camera.check().map_err(refuse)?;
         Ok((self.name.clone(), camera))
+    }
+
+    /// How it moves; it turns about the eye unless it says otherwise.
+    fn motion(&self, eye: Vec3, lines: &Lines) -> Result<Option<Motion>, SceneError> {
+        let motion = |m: &Spanned<MotionTable>| m.get_ref().motion(eye.as_dvec3(), m.span().start, lines);
+        self.motion.as_ref().map(motion).transpose()
     }
 
     /// Where the value an error is about stands.

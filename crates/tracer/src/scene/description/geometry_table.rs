@@ -6,8 +6,9 @@ use glam::{DAffine3, DMat3, DMat4, DVec3, EulerRot};
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::super::{Placement, SceneError};
+use super::super::{Motion, Placement, SceneError};
 use super::mistakes::Lines;
+use super::motion_table::MotionTable;
 
 /// A mesh file and where it stands. A file named several times is read once and instanced.
 #[derive(Debug, Deserialize)]
@@ -16,6 +17,7 @@ pub(super) struct GeometryTable {
     /// An OBJ file, relative to the scene file.
     file: PathBuf,
     transform: Option<Spanned<TransformTable>>,
+    motion: Option<Spanned<MotionTable>>,
 }
 
 /// Where a mesh stands: scaled, then rotated, then translated; or a matrix instead.
@@ -43,6 +45,7 @@ enum Scale {
 pub(in super::super) struct Geometry {
     pub(in super::super) file: PathBuf,
     pub(in super::super) placement: Placement,
+    pub(in super::super) motion: Option<Motion>,
 }
 
 impl GeometryTable {
@@ -56,7 +59,9 @@ impl GeometryTable {
         };
         let placement =
             Placement::new(map).ok_or_else(|| refuse("a transform that can be undone", "a singular one"))?;
-        Ok(Geometry { file: self.file.clone(), placement })
+        let motion =
+            self.motion.as_ref().map(|motion| motion.get_ref().motion(map.translation, motion.span().start, lines));
+        Ok(Geometry { file: self.file.clone(), placement, motion: motion.transpose()? })
     }
 }
 

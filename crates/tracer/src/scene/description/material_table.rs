@@ -8,7 +8,7 @@ use super::super::SceneError;
 use super::super::error::Place;
 use super::super::look::Look;
 use super::mistakes::{Lines, nearest};
-use crate::material::{Colour, Material};
+use crate::material::{Colour, Grey, Material, SurfaceMaps};
 
 /// Changes to a material; what is left out stays as it is.
 #[derive(Clone, Debug, Deserialize)]
@@ -22,8 +22,12 @@ pub(super) struct MaterialTable {
     metallic: Option<Spanned<f32>>,
     /// 0 opaque, 1 clear glass.
     transmission: Option<Spanned<f32>>,
+    /// Whether glass is a pane too thin to refract.
+    thin: Option<bool>,
     /// Refractive index, of glass and of the coat.
     ior: Option<Spanned<f32>>,
+    /// Share of rays that meet the surface; replaces a texture.
+    alpha: Option<Spanned<f32>>,
     /// Emitted radiance.
     emission: Option<Spanned<Shade>>,
     /// Reflectance of the coat at normal incidence; 0 takes the coat off.
@@ -47,7 +51,9 @@ pub(in super::super) struct MaterialChange {
     roughness: Option<f32>,
     metallic: Option<f32>,
     transmission: Option<f32>,
+    thin: Option<bool>,
     ior: Option<f32>,
+    alpha: Option<f32>,
     emission: Option<Vec3>,
     specular: Option<Vec3>,
 }
@@ -63,6 +69,8 @@ impl MaterialTable {
             roughness: share(&self.roughness)?,
             metallic: share(&self.metallic)?,
             transmission: share(&self.transmission)?,
+            thin: self.thin,
+            alpha: share(&self.alpha)?,
             ior: number(&self.ior, 0.1..=10.0, "a refractive index from 0.1 to 10", lines)?,
             emission: shade(&self.emission, f32::MAX, "radiance of 0 or more", lines)?,
             specular: shade(&self.specular, 1.0, "a reflectance from 0 to 1", lines)?,
@@ -112,7 +120,9 @@ impl MaterialChange {
     }
 
     fn change(&self, material: &mut Material) {
-        material.emission = self.emission.unwrap_or(material.emission);
+        if let Some(emission) = self.emission {
+            material.emission = Colour::constant(emission);
+        }
         let mut look = Look::of(&material.surface);
         if let Some(colour) = self.base_color {
             look.base = Colour::constant(colour);
@@ -126,6 +136,21 @@ impl MaterialChange {
         look.alpha = self.roughness.map(|r| r * r).or(look.alpha);
         look.metallic = self.metallic.unwrap_or(look.metallic);
         look.transmission = self.transmission.unwrap_or(look.transmission);
+        look.thin = self.thin.unwrap_or(look.thin);
+        self.change_maps(&mut material.maps);
         material.surface = look.surface();
+    }
+
+    /// Takes off the maps that a number replaces.
+    fn change_maps(&self, maps: &mut SurfaceMaps) {
+        if let Some(alpha) = self.alpha {
+            maps.opacity = (alpha < 1.0).then_some(Grey::constant(alpha));
+        }
+        if self.roughness.is_some() {
+            maps.roughness = None;
+        }
+        if self.metallic.is_some() {
+            maps.metallic = None;
+        }
     }
 }

@@ -5,16 +5,17 @@ mod environment_table;
 mod geometry_table;
 mod material_table;
 mod mistakes;
+mod motion_table;
 mod one_or_many;
 mod render_table;
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use glam::Vec3;
 use serde::Deserialize;
 use toml::Spanned;
 
+pub(super) use environment_table::SkyDescription;
 pub(super) use geometry_table::Geometry;
 pub(super) use material_table::MaterialChange;
 pub use mistakes::nearest as nearest_name;
@@ -34,7 +35,7 @@ use one_or_many::OneOrMany;
 #[derive(Debug, Default)]
 pub(super) struct SceneDescription {
     pub(super) cameras: Vec<(Option<String>, CameraDescription)>,
-    pub(super) environment: Option<Vec3>,
+    pub(super) environment: Option<SkyDescription>,
     pub(super) geometry: Vec<Geometry>,
     pub(super) material_changes: Vec<MaterialChange>,
     pub(super) render: Option<RawRender>,
@@ -70,7 +71,7 @@ pub(super) fn read_description(path: &Path) -> Result<SceneDescription, SceneErr
     let changes = table.material.into_iter().map(|(name, table)| table.change(&name, &lines));
     Ok(SceneDescription {
         cameras: cameras.collect::<Result<_, _>>()?,
-        environment: table.environment.map(|sky| sky.radiance(&lines)).transpose()?,
+        environment: table.environment.map(|sky| sky.sky(&lines)).transpose()?,
         geometry: geometry.collect::<Result<_, _>>()?,
         material_changes: changes.collect::<Result<_, _>>()?,
         render: table.render.map(|table| RawRender::new(path, &lines, &table)),

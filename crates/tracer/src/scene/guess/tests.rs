@@ -22,12 +22,9 @@ fn cube(without: &[usize], inward: bool, lamp: bool) -> Scene {
         mesh.triangles.push([8, 9, 10]);
         mesh.materials.push(1);
     }
-    let material = |emission| Material {
-        name: String::new(),
-        surface: Surface::Diffuse { reflectance: Colour::constant(Vec3::ONE) },
-        emission,
-    };
-    let stand = Instance { mesh: 0, placement: Placement::new(DAffine3::IDENTITY).unwrap() };
+    let material =
+        |emission| Material::new("", Surface::Diffuse { reflectance: Colour::constant(Vec3::ONE) }, emission);
+    let stand = Instance { mesh: 0, placement: Placement::new(DAffine3::IDENTITY).unwrap(), motion: None };
     Scene::new(vec![mesh], vec![stand], vec![material(Vec3::ZERO), material(Vec3::ONE)], None).unwrap()
 }
 
@@ -88,7 +85,7 @@ fn a_sky_is_assumed_where_nothing_emits() {
     assert_eq!(guess_environment(&cube(&[], false, false)).unwrap().value, Vec3::ONE);
     assert_eq!(guess_environment(&cube(&[], false, true)), None);
     let mut scene = cube(&[], false, false);
-    scene.environment = Some(Vec3::ZERO);
+    scene.environment = Some(crate::environment::Environment::constant(Vec3::ZERO));
     assert_eq!(guess_environment(&scene), None);
 }
 

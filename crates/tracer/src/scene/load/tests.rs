@@ -50,6 +50,26 @@ fn geometry_stands_where_it_is_put_and_is_read_once() {
 }
 
 #[test]
+fn geometry_and_cameras_may_move() {
+    let scene = format!(
+        "{GEOMETRY}transform = {{ translate = [1, 0, 0] }}\nmotion = {{ translate = [0, 0, 2], rotate = [0, 180, 0] }}\n\
+         [camera]\neye = [0, 0, 9]\nlook_at = [0, 0, 0]\nmotion = {{ translate = [1, 0, 0] }}\n"
+    );
+    let loaded = loaded(&scene);
+    let ray = |time| Ray { origin: Vec3::new(0.5, 0.5, 9.0), direction: -Vec3::Z, t_max: 100.0, time };
+    assert!(loaded.scene.intersect(&ray(0.0)).is_none());
+    // Turned by half about its own origin at x = 1, it lies between 0 and 1, two nearer.
+    assert!((loaded.scene.intersect(&ray(1.0)).unwrap().distance - 7.0).abs() < 1e-5);
+    let motion = loaded.cameras[0].1.motion.unwrap();
+    assert_eq!((motion.translate, motion.centre), (glam::DVec3::X, glam::DVec3::new(0.0, 0.0, 9.0)));
+    assert!(refusal(&format!("{GEOMETRY}motion = {{ turn = [0, 1, 0] }}\n")).contains("no key 'turn'"));
+    assert!(
+        refusal(&format!("{GEOMETRY}motion = {{ rotate = [0, inf, 0] }}\n"))
+            .starts_with("scene.toml:3: expected finite")
+    );
+}
+
+#[test]
 fn cameras_are_one_or_many() {
     let one = loaded(&format!("[camera]\neye = [0, 0, 9]\nlook_at = [0, 1, 0]\n{GEOMETRY}"));
     let plain = CameraDescription::looking(Vec3::new(0.0, 0.0, 9.0), Vec3::Y);
@@ -72,10 +92,29 @@ fn cameras_are_one_or_many() {
 
 #[test]
 fn the_sky_is_colour_times_scale() {
-    let sky = |table: &str| loaded(&format!("{table}\n{GEOMETRY}")).scene.environment;
+    let sky =
+        |table: &str| loaded(&format!("{table}\n{GEOMETRY}")).scene.environment.and_then(|e| e.constant_radiance());
     assert_eq!(sky("[environment]\ncolor = [1, 2, 3]\nscale = 0.5"), Some(Vec3::new(0.5, 1.0, 1.5)));
     assert_eq!(sky("[environment]"), Some(Vec3::ONE));
     assert_eq!(sky(""), None);
+}
+
+#[test]
+fn the_sky_may_be_a_map_that_is_turned_and_scaled() {
+    let scene = format!("[environment]\nfile = \"SKY.pfm\"\nrotate = 90\nscale = 2\n{GEOMETRY}");
+    let folder = folder(&scene);
+    let planes = vec![vec![1.0, 3.0]; 3];
+    let image = stack::Image::from_channels(stack::Size::new(2, 1), planes);
+    stack::file::write_picture(&folder.path().join("sky.pfm"), &image).unwrap();
+    let sky = load(&folder.path().join("scene.toml")).unwrap().scene.environment.unwrap();
+    // The map is 1 round +x and 3 round −x; a quarter turn takes +x to −z.
+    let at = |direction| sky.radiance(direction).x;
+    assert!((at(-Vec3::Z) - 2.0).abs() < 1e-4 && (at(Vec3::Z) - 6.0).abs() < 1e-4);
+    let map = |rest: &str| refusal(&format!("{GEOMETRY}[environment]\nfile = \"a.mtl\"\n{rest}\n"));
+    assert_eq!(map("color = [1, 1, 1]"), "scene.toml:5: expected either file or color, found both");
+    assert_eq!(map("scale = -1"), "scene.toml:5: expected a factor of 0 or more, found -1");
+    assert!(map("rotate = 5").starts_with("a.mtl: cannot be read as a picture"));
+    assert!(refusal(&format!("{GEOMETRY}[environment]\nfile = \"none.hdr\"\n")).contains("none.hdr: no such file"));
 }
 
 #[test]
@@ -87,13 +126,18 @@ fn materials_are_changed_by_name() {
     };
     let base = Vec3::new(0.2, 0.4, 0.6);
     let material = changed("emission = [3, 2, 1]");
-    assert_eq!(material.emission, Vec3::new(3.0, 2.0, 1.0));
+    assert_eq!(material.emission.factor, Vec3::new(3.0, 2.0, 1.0));
     assert!(matches!(material.surface, Surface::Diffuse { reflectance } if reflectance.factor == base));
     let rough = changed("metallic = 1\nroughness = 0.5").surface;
     assert!(matches!(rough, Surface::Conductor { reflectance, alpha: 0.25 } if reflectance.factor == base));
     assert!(matches!(changed("metallic = 1").surface, Surface::Mirror { .. }));
     let glass = changed("transmission = 1\nior = 1.33\nbase_color = 0.9").surface;
-    assert!(matches!(glass, Surface::Glass { ior: 1.33, transmittance } if transmittance.factor == Vec3::splat(0.9)));
+    assert!(
+        matches!(glass, Surface::Glass { ior: 1.33, transmittance, alpha: 0.0 } if transmittance.factor == Vec3::splat(0.9))
+    );
+    assert!(matches!(changed("transmission = 1\nroughness = 0.5").surface, Surface::Glass { alpha: 0.25, .. }));
+    assert!(matches!(changed("transmission = 1\nthin = true").surface, Surface::ThinGlass { ior: 1.5, .. }));
+    assert_eq!(changed("alpha = 0.25").maps.opacity.unwrap().factor, 0.25);
     let coat = changed("roughness = 0.1\nspecular = 0.08").surface;
     assert!(
         matches!(coat, Surface::Coated { specular, diffuse, .. } if specular.factor == Vec3::splat(0.08) && diffuse.factor == base)

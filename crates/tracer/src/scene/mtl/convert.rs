@@ -4,14 +4,15 @@
 //! |---|---|
 //! | `Pm` ≥ 1 | metal that reflects `Kd` (or `Ks` where `Kd` is black), roughness `Pr` |
 //! | `illum` 5 | mirror that reflects `Ks` (or `Kd` where there is no `Ks`) |
-//! | `illum` 4, 6, 7, 9, or `d` < 1 with `Ni` | clear glass of index `Ni` (1.5), tinted by `Tf` |
+//! | `illum` 4, 9 | pane of thin glass of index `Ni` (1.5), tinted by `Tf` |
+//! | `illum` 6, 7, or `d` < 1 with `Ni` | glass of index `Ni` (1.5), tinted by `Tf`; rough by `Pr` |
 //! | `illum` 3, 8 with `Ks` and no `Kd` | metal that reflects `Ks`; a mirror when neither `Ns` nor `Pr` makes it rough |
 //! | `Ks` > 0 with `Ns` or `Pr`, `illum` not 0 or 1; or `Pr`, `Pm` | diffuse under a rough coat |
 //! | else | diffuse `Kd` (grey 0.5 where neither `Kd` nor `map_Kd` is given) |
 //!
 //! Roughness α is `Pr`², else √(2/(`Ns`+2)): the width of Phong's lobe (Walter et al. 2007, section 5.1, with equal
 //! exponents of the lobe and of the half vector). Diffuse and specular reflectance together are scaled to at most 1 as
-//! a surface cannot reflect more than it gets. `Ke` emits whatever else is said; `map_Ke` by its mean colour.
+//! a surface cannot reflect more than it gets. `Ke` emits whatever else is said, `map_Ke` colours it.
 
 use glam::Vec3;
 
@@ -32,15 +33,15 @@ impl MtlEntry {
         let diffuse = texture(Colour::constant(self.diffuse_factor()), &self.diffuse_map);
         let specular = texture(Colour::constant(self.specular_factor()), &self.specular_map);
         let emission = texture(Colour::constant(self.emission_factor()), &self.emission_map);
-        let emission = emission.factor * emission.texture.map_or(Vec3::ONE, |t| t.mean());
         if let Some((_, notes)) = &mut read {
             self.note_ignored(notes);
         }
-        Material { name: self.name.clone(), surface: self.surface(diffuse, specular), emission }
+        let maps = self.maps(read);
+        Material { name: self.name.clone(), surface: self.surface(diffuse, specular), emission, maps }
     }
 
     fn textured(&self, colour: Colour, line: &TextureLine, files: &mut TextureFiles, notes: &mut Notes) -> Colour {
-        match files.get(line) {
+        match files.colours(line) {
             Ok(texture) => Colour { texture: Some(texture), ..colour },
             Err(why) => {
                 notes.add(format!("material '{}': {why}; its colour is used", self.name));
@@ -53,8 +54,9 @@ impl MtlEntry {
         for key in &self.ignored {
             notes.add(format!("material '{}': {key} is not supported and ignored", self.name));
         }
-        if self.opacity.is_some_and(|d| d < 1.0) && !self.is_glass() {
-            notes.add(format!("material '{}': transparency without Ni is not supported; it is opaque", self.name));
+        if self.opacity.is_some_and(|d| d <= 0.0) && self.opacity_map.is_none() && !self.is_glass() {
+            notes
+                .add(format!("material '{}': nothing of it would be seen with d 0; it is taken for opaque", self.name));
         }
     }
 
@@ -75,21 +77,28 @@ impl MtlEntry {
         self.emission.unwrap_or(if self.emission_map.is_some() { Vec3::ONE } else { Vec3::ZERO })
     }
 
-    fn is_glass(&self) -> bool {
-        let transparent = self.opacity.is_some_and(|d| d < 1.0) && self.ior.is_some();
+    pub(super) fn is_glass(&self) -> bool {
+        let transparent = self.opacity.is_some_and(|d| d < 1.0) && self.ior.is_some() && self.opacity_map.is_none();
         transparent || matches!(self.model, Some(4 | 6 | 7 | 9))
     }
 
     /// GGX α, where the material says anything about it.
     fn alpha(&self) -> Option<f32> {
         let phong = |ns: f32| (2.0 / (ns + 2.0)).sqrt();
-        let alpha = self.roughness.map(|pr| pr * pr).or(self.shininess.filter(|&ns| ns > 0.0).map(phong));
+        let alpha = self.roughness_alpha().or(self.shininess.filter(|&ns| ns > 0.0).map(phong));
         alpha.map(|alpha| alpha.clamp(0.0, 1.0))
+    }
+
+    /// α by `Pr`. A zero in front of a texture is a habit of exporters.
+    fn roughness_alpha(&self) -> Option<f32> {
+        let mapped = self.roughness_map.is_some();
+        let said = self.roughness.filter(|&pr| pr > 0.0 || !mapped).or(mapped.then_some(1.0));
+        said.map(|pr| (pr * pr).clamp(0.0, 1.0))
     }
 
     fn surface(&self, diffuse: Colour, specular: Colour) -> Surface {
         let has = |colour: &Colour| colour.factor != Vec3::ZERO;
-        if self.metallic.is_some_and(|pm| pm >= 1.0) {
+        if self.metallic.is_some_and(|pm| pm >= 1.0) && self.metallic_map.is_none() {
             return metal(if has(&diffuse) { diffuse } else { specular }, self.alpha());
         }
         if self.model == Some(5) {
@@ -98,7 +107,11 @@ impl MtlEntry {
         if self.is_glass() {
             let tint = Colour::constant(self.filter.unwrap_or(Vec3::ONE));
             let ior = self.ior.filter(|&ni| ni > 0.0).unwrap_or(1.5);
-            return Surface::Glass { ior, transmittance: capped(tint) };
+            return match self.model {
+                Some(4 | 9) => Surface::ThinGlass { ior, transmittance: capped(tint) },
+                // `Ns` is the width of highlights, which clear glass has, too.
+                _ => Surface::Glass { ior, transmittance: capped(tint), alpha: self.roughness_alpha().unwrap_or(0.0) },
+            };
         }
         if matches!(self.model, Some(3 | 8)) && has(&specular) && !has(&diffuse) {
             return metal(specular, self.alpha());
@@ -107,12 +120,14 @@ impl MtlEntry {
     }
 
     fn opaque(&self, diffuse: Colour, specular: Colour) -> Surface {
-        let metallic = self.metallic.unwrap_or(0.0).clamp(0.0, 1.0);
-        let shows_highlights = !matches!(self.model, Some(0 | 1)) || self.roughness.is_some();
-        let physical = self.roughness.is_some() || metallic > 0.0;
+        let mapped = self.metallic_map.is_some();
+        let metallic = if mapped { 0.0 } else { self.metallic.unwrap_or(0.0).clamp(0.0, 1.0) };
+        let has_roughness = self.roughness.is_some() || self.roughness_map.is_some();
+        let shows_highlights = !matches!(self.model, Some(0 | 1)) || has_roughness || mapped;
+        let physical = has_roughness || metallic > 0.0 || mapped;
         let common = specular.factor == Vec3::ZERO && physical;
         let specular = if common { Colour::constant(Vec3::splat(COMMON_COAT)) } else { specular };
-        match self.alpha() {
+        match self.alpha().or(mapped.then_some(1.0)) {
             Some(alpha) if shows_highlights && specular.factor != Vec3::ZERO => {
                 coated(diffuse, specular, metallic, alpha)
             }
@@ -158,14 +173,23 @@ mod tests {
     #[test]
     fn glass_is_told_by_model_or_by_dissolve_with_an_index() {
         for statements in ["illum 7\nNi 1.3\nTf .2 .3 .4", "d 0.1\nNi 1.3\nTf .2 .3 .4", "Tr .9\nNi 1.3\nTf .2 .3 .4"] {
-            let Surface::Glass { ior: 1.3, transmittance } = convert(statements).surface else {
+            let Surface::Glass { ior: 1.3, transmittance, alpha: 0.0 } = convert(statements).surface else {
                 panic!("{statements}")
             };
             assert_eq!(constant(&transmittance), [0.2, 0.3, 0.4]);
         }
+        assert!(matches!(convert("illum 6\nPr .5").surface, Surface::Glass { alpha: 0.25, .. }));
+        for pane in ["illum 4\nNi 1.3", "illum 9\nNi 1.3\nPr .5"] {
+            assert!(matches!(convert(pane).surface, Surface::ThinGlass { ior: 1.3, .. }), "{pane}");
+        }
         for opaque in ["d 0.1", "d 1\nTr 1\nNi 1.5", "Tr 1\nd 1\nNi 1.5", "Ni 1.5"] {
             assert!(matches!(convert(opaque).surface, Surface::Diffuse { .. }), "{opaque}");
         }
+        let opacity = |statements| convert(statements).maps.opacity.map(|o| o.factor);
+        assert_eq!(
+            [opacity("d 0.1"), opacity("Tr .25"), opacity("d 1"), opacity("d .1\nNi 2")],
+            [Some(0.1), Some(0.75), None, None]
+        );
     }
 
     #[test]
@@ -181,9 +205,9 @@ mod tests {
     #[test]
     fn anything_can_emit() {
         let lamp = convert("Kd .78 .78 .78 # white\nKe 10 5 -2\nTr 0\nd 1");
-        assert_eq!(lamp.emission, Vec3::new(10.0, 5.0, 0.0));
+        assert_eq!(lamp.emission.factor, Vec3::new(10.0, 5.0, 0.0));
         assert!(matches!(lamp.surface, Surface::Diffuse { .. }));
-        assert_eq!(convert("illum 5\nKs 1 1 1\nKe 1 1 1").emission, Vec3::ONE);
+        assert_eq!(convert("illum 5\nKs 1 1 1\nKe 1 1 1").emission.factor, Vec3::ONE);
     }
 
     #[test]

@@ -39,12 +39,22 @@ pub(super) struct MtlEntry {
     pub(super) specular_map: Option<TextureLine>,
     /// `map_Ke`
     pub(super) emission_map: Option<TextureLine>,
+    /// `map_d`
+    pub(super) opacity_map: Option<TextureLine>,
+    /// `map_Pr`
+    pub(super) roughness_map: Option<TextureLine>,
+    /// `map_Pm`
+    pub(super) metallic_map: Option<TextureLine>,
+    /// `norm`
+    pub(super) normal_map: Option<TextureLine>,
+    /// `bump`, `map_Bump`
+    pub(super) bump_map: Option<TextureLine>,
     /// Keys that would change the look but are not supported.
     pub(super) ignored: Vec<&'static str>,
 }
 
 /// Keys that would change the look but are not supported.
-const IGNORED: [&str; 9] = ["map_d", "map_bump", "bump", "norm", "disp", "map_pr", "map_pm", "map_ns", "map_tr"];
+const IGNORED: [&str; 4] = ["disp", "map_ns", "map_tr", "refl"];
 
 impl MtlEntry {
     /// A material that says nothing but its name.
@@ -69,6 +79,11 @@ impl MtlEntry {
             "map_kd" => self.diffuse_map = TextureLine::parse(value.text),
             "map_ks" => self.specular_map = TextureLine::parse(value.text),
             "map_ke" => self.emission_map = TextureLine::parse(value.text),
+            "map_d" => self.opacity_map = TextureLine::parse(value.text),
+            "map_pr" => self.roughness_map = TextureLine::parse(value.text),
+            "map_pm" => self.metallic_map = TextureLine::parse(value.text),
+            "norm" | "map_norm" | "map_kn" => self.normal_map = TextureLine::parse(value.text),
+            "bump" | "map_bump" => self.bump_map = TextureLine::parse(value.text),
             other => self.ignored.extend(IGNORED.iter().find(|&&key| key == other)),
         }
         Ok(())

@@ -1,7 +1,9 @@
 //! MTL files: materials for OBJ.
 
+mod bump;
 mod convert;
 mod entry;
+mod maps;
 mod texture_file;
 mod texture_line;
 

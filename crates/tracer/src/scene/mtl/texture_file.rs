@@ -1,68 +1,122 @@
 //! Reading images for textures.
 
 use std::collections::HashMap;
+use std::hash::Hash;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use image::{DynamicImage, ImageReader};
+use image::DynamicImage;
 
+use super::super::picture_file::{decode, linear_rgb, plain_rgb, plain_rgba};
+use super::bump::{is_normal_map, normals_of_heights};
 use super::find_file;
-use super::texture_line::TextureLine;
-use crate::texture::Texture;
+use super::texture_line::{Channel, TextureLine};
+use crate::texture::{GreyTexture, Raster, Texel, Texture};
 
-/// Reads images, each once.
+/// Where an image lies on the surface: scale, offset, and whether it is clamped.
+type Layout = ([u32; 4], bool);
+
+/// What has been made of which file, laid out how; the third number tells what was made of it.
+type Made<K, T> = HashMap<(PathBuf, Layout, K), Arc<Raster<T>>>;
+
+/// Reads images, and makes each texture once.
 #[derive(Debug)]
 pub(super) struct TextureFiles<'a> {
     folder: &'a Path,
-    read: HashMap<(PathBuf, [u32; 4]), Arc<Texture>>,
+    colours: Made<(), [f32; 3]>,
+    normals: Made<Relief, [f32; 3]>,
+    greys: Made<Option<Channel>, f32>,
+}
+
+/// How normals are read from an image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Relief {
+    Normals,
+    /// Heights, scaled by the number of these bits.
+    Heights(u32),
 }
 
 impl<'a> TextureFiles<'a> {
     /// Reads images named by files in `folder`.
     pub(super) fn new(folder: &'a Path) -> Self {
-        Self { folder, read: HashMap::new() }
+        Self { folder, colours: HashMap::new(), normals: HashMap::new(), greys: HashMap::new() }
     }
 
-    /// The texture a statement names.
+    /// The colours of the image that a statement names.
+    ///
+    /// # Errors
+    /// In words, why there are none.
+    pub(super) fn colours(&mut self, line: &TextureLine) -> Result<Arc<Texture>, String> {
+        made(self.folder, line, (), &mut self.colours, |image| Ok(linear_rgb(image)))
+    }
+
+    /// The normal map that a `norm` statement names.
     ///
     /// # Errors
     /// In words, why there is none.
-    pub(super) fn get(&mut self, line: &TextureLine) -> Result<Arc<Texture>, String> {
-        let file = find_file(self.folder, &line.file).ok_or_else(|| format!("texture '{}' is missing", line.file))?;
-        let placement = [line.scale.x, line.scale.y, line.offset.x, line.offset.y].map(f32::to_bits);
-        let key = (file.clone(), placement);
-        if let Some(texture) = self.read.get(&key) {
-            return Ok(texture.clone());
-        }
-        let image = decode(&file).map_err(|e| format!("texture '{}' cannot be read: {e}", line.file))?;
-        let texture = Texture { scale: line.scale, offset: line.offset, ..linear(&image) };
-        Ok(self.read.entry(key).or_insert(Arc::new(texture)).clone())
+    pub(super) fn normals(&mut self, line: &TextureLine) -> Result<Arc<Texture>, String> {
+        made(self.folder, line, Relief::Normals, &mut self.normals, |image| Ok(plain_rgb(image)))
+    }
+
+    /// Normals of the heights that a `bump` statement names; what looks like a normal map is taken for one.
+    ///
+    /// # Errors
+    /// In words, why there are none.
+    pub(super) fn bumps(&mut self, line: &TextureLine) -> Result<Arc<Texture>, String> {
+        let relief = Relief::Heights(line.bump.to_bits());
+        made(self.folder, line, relief, &mut self.normals, |image| {
+            let (size, pixels) = plain_rgb(image);
+            if is_normal_map(&pixels) {
+                return Ok((size, pixels));
+            }
+            let heights: Vec<f32> = image.to_luma32f().pixels().map(|p| p.0[0]).collect();
+            Ok((size, normals_of_heights(size, &heights, line.bump)))
+        })
+    }
+
+    /// One number a pixel: of the channel the statement names, else of `usual`; an image without alpha has luminance for
+    /// it.
+    ///
+    /// # Errors
+    /// In words, why there are none.
+    pub(super) fn greys(&mut self, line: &TextureLine, usual: Channel) -> Result<Arc<GreyTexture>, String> {
+        let channel = line.channel.unwrap_or(usual);
+        made(self.folder, line, Some(channel), &mut self.greys, |image| Ok(channel_of(image, channel)))
     }
 }
 
-fn decode(file: &Path) -> Result<DynamicImage, String> {
-    let reader = ImageReader::open(file).and_then(ImageReader::with_guessed_format).map_err(|e| e.to_string())?;
-    let image = reader.decode().map_err(|e| e.to_string())?;
-    if image.width() == 0 || image.height() == 0 { Err("it has no pixels".into()) } else { Ok(image) }
+/// The texture `make` makes of the image that `line` names, or the one it made before.
+fn made<K: Copy + Eq + Hash, T: Texel>(
+    folder: &Path,
+    line: &TextureLine,
+    kind: K,
+    before: &mut Made<K, T>,
+    make: impl FnOnce(&DynamicImage) -> Result<([usize; 2], Vec<T>), String>,
+) -> Result<Arc<Raster<T>>, String> {
+    let file = find_file(folder, &line.file).ok_or_else(|| format!("texture '{}' is missing", line.file))?;
+    let layout = ([line.scale.x, line.scale.y, line.offset.x, line.offset.y].map(f32::to_bits), line.clamp);
+    let key = (file.clone(), layout, kind);
+    if let Some(texture) = before.get(&key) {
+        return Ok(texture.clone());
+    }
+    let image = decode(&file).and_then(|image| make(&image));
+    let ([width, height], texels) = image.map_err(|e| format!("texture '{}' cannot be read: {e}", line.file))?;
+    let texture =
+        Raster { scale: line.scale, offset: line.offset, clamp: line.clamp, ..Raster::new(width, height, texels) };
+    Ok(before.entry(key).or_insert(Arc::new(texture)).clone())
 }
 
-/// Integers are taken as sRGB; floating point values are linear already.
-fn linear(image: &DynamicImage) -> Texture {
-    let is_linear = matches!(image, DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_));
-    let texels = match image {
-        _ if is_linear => image.to_rgb32f().pixels().map(|p| p.0).collect(),
-        _ if image.color().bytes_per_pixel() / image.color().channel_count() == 1 => {
-            let table: Vec<f32> = (0..=255u16).map(|i| srgb_to_linear(f32::from(i) / 255.0)).collect();
-            image.to_rgb8().pixels().map(|p| p.0.map(|c| table[usize::from(c)])).collect()
-        }
-        _ => image.to_rgb32f().pixels().map(|p| p.0.map(srgb_to_linear)).collect(),
+fn channel_of(image: &DynamicImage, channel: Channel) -> ([usize; 2], Vec<f32>) {
+    let channel = if channel == Channel::Alpha && !image.color().has_alpha() { Channel::Luminance } else { channel };
+    let (size, pixels) = plain_rgba(image);
+    let number = |[r, g, b, a]: [f32; 4]| match channel {
+        Channel::Red => r,
+        Channel::Green => g,
+        Channel::Blue => b,
+        Channel::Alpha => a,
+        Channel::Luminance => (r + g + b) / 3.0,
     };
-    Texture::new(image.width() as usize, image.height() as usize, texels)
-}
-
-/// The sRGB transfer function (IEC 61966-2-1), decoded.
-fn srgb_to_linear(c: f32) -> f32 {
-    if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+    (size, pixels.into_iter().map(number).collect())
 }
 
 #[cfg(test)]
@@ -70,15 +124,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn eight_bits_are_decoded_from_srgb() {
-        let image = DynamicImage::ImageRgb8(image::RgbImage::from_raw(2, 1, vec![0, 255, 128, 10, 188, 1]).unwrap());
-        let texture = linear(&image);
-        // Table values of the standard's inverse: 128 → 0.21586, 188 → 0.50289, 10 → 0.0030353, 1 → 0.00030353.
-        let expected = [[0.0, 1.0, 0.21586], [0.003_035_3, 0.502_89, 0.000_303_53]];
-        for (texel, expected) in texture.texels.iter().zip(expected) {
-            for (a, b) in texel.iter().zip(expected) {
-                assert!((a - b).abs() < 1e-5, "{a} is not {b}");
-            }
+    fn numbers_come_from_the_channel_asked_for() {
+        let pixels = image::RgbaImage::from_raw(1, 1, vec![255, 51, 0, 102]).unwrap();
+        let image = DynamicImage::ImageRgba8(pixels);
+        for (channel, expected) in [
+            (Channel::Red, 1.0),
+            (Channel::Green, 0.2),
+            (Channel::Blue, 0.0),
+            (Channel::Alpha, 0.4),
+            (Channel::Luminance, 0.4),
+        ] {
+            assert!((channel_of(&image, channel).1[0] - expected).abs() < 1e-6, "{channel:?}");
         }
+        let opaque = DynamicImage::ImageLuma16(image::ImageBuffer::from_raw(1, 1, vec![0x8000_u16]).unwrap());
+        assert!((channel_of(&opaque, Channel::Alpha).1[0] - 0.5).abs() < 1e-4);
     }
 }

@@ -31,6 +31,8 @@ pub(super) struct CleanLines<'t> {
     ahead: [Vec<(usize, usize)>; 3],
     format: Option<[bool; 2]>,
     skipped_faces: usize,
+    /// Statements left out that would show something: points, lines, curves and surfaces.
+    skipped: [usize; 3],
     materials: BTreeSet<String>,
     fault: Option<SceneError>,
 }
@@ -50,6 +52,7 @@ impl<'t> CleanLines<'t> {
             ahead: Default::default(),
             format: None,
             skipped_faces: 0,
+            skipped: [0; 3],
             materials: BTreeSet::new(),
             fault: None,
         }
@@ -65,12 +68,15 @@ impl<'t> CleanLines<'t> {
         for name in self.materials.iter().filter(|name| !known.has(name)) {
             notes.add(format!("{}: no library has material '{name}'; grey is used", self.path.display()));
         }
-        if self.skipped_faces > 0 {
-            notes.add(format!(
-                "{}: {} faces with fewer than three corners left out",
-                self.path.display(),
-                self.skipped_faces
-            ));
+        let [points, lines, curved] = self.skipped;
+        let left_out = [
+            (self.skipped_faces, "faces with fewer than three corners"),
+            (points, "statements of points"),
+            (lines, "statements of lines"),
+            (curved, "curves and curved surfaces"),
+        ];
+        for (count, what) in left_out.into_iter().filter(|(count, _)| *count > 0) {
+            notes.add(format!("{}: {count} {what} left out", self.path.display()));
         }
     }
 
@@ -121,6 +127,9 @@ impl<'t> CleanLines<'t> {
                 "f" | "fo" => self.face(rest)?,
                 "usemtl" if !rest.is_empty() => self.used(rest),
                 "mtllib" if !rest.is_empty() => Some(format!("mtllib {rest}\n")),
+                "p" => self.skip(0),
+                "l" => self.skip(1),
+                "curv" | "curv2" | "surf" => self.skip(2),
                 _ => None,
             };
             if let Some(cleaned) = cleaned {
@@ -128,6 +137,11 @@ impl<'t> CleanLines<'t> {
             }
         }
         Ok(None)
+    }
+
+    fn skip(&mut self, kind: usize) -> Option<String> {
+        self.skipped[kind] += 1;
+        None
     }
 
     fn used(&mut self, name: &str) -> Option<String> {

@@ -1,9 +1,10 @@
 //! Wavefront OBJ files.
 //!
-//! `tobj` reads the numbers, cuts polygons into fans and unifies indices. It gets the file line by line from
+//! `tobj` reads the numbers and unifies indices; [`polygon`] cuts faces into triangles. It gets the file line by line from
 //! [`clean::CleanLines`], which mends what tobj 4 trips over and knows the line of every mistake.
 
 mod clean;
+mod polygon;
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -17,6 +18,7 @@ use super::source::read_text;
 use super::{Mesh, SceneError};
 use crate::material::Material;
 use clean::CleanLines;
+use polygon::{cut_concave, fan};
 
 /// Triangles and materials of an OBJ file.
 #[derive(Debug)]
@@ -28,7 +30,7 @@ pub(super) struct ObjFile {
 }
 
 const OPTIONS: tobj::LoadOptions =
-    tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
+    tobj::LoadOptions { single_index: true, triangulate: false, ignore_points: true, ignore_lines: true };
 
 /// Reads an OBJ file and the materials it names. What is missing but not vital goes to `notes`.
 ///
@@ -70,15 +72,37 @@ fn load_library(library: &RefCell<MtlLibrary>, names: &Path) -> (Vec<tobj::Mater
 }
 
 fn mesh_of(mesh: tobj::Mesh, material: usize) -> Mesh {
-    let triangles: Vec<[u32; 3]> = mesh.indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
     let points = |flat: &[f32]| flat.chunks_exact(3).map(Vec3::from_slice).collect::<Vec<_>>();
+    let positions = points(&mesh.positions);
+    let triangles = triangles_of(&positions, &mesh.indices, &mesh.face_arities);
     Mesh {
-        positions: points(&mesh.positions),
+        positions,
         normals: points(&mesh.normals).into_iter().map(Vec3::normalize_or_zero).collect(),
         uvs: mesh.texcoords.chunks_exact(2).map(Vec2::from_slice).collect(),
         materials: vec![material as u32; triangles.len()],
         triangles,
     }
+}
+
+/// Triangles of faces that have `arities` corners each; of triangles alone when there are no arities.
+fn triangles_of(positions: &[Vec3], indices: &[u32], arities: &[u32]) -> Vec<[u32; 3]> {
+    if arities.is_empty() {
+        return indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
+    }
+    let mut triangles = Vec::with_capacity(indices.len());
+    let (mut rest, mut corners) = (indices, vec![]);
+    for &arity in arities {
+        let (face, after) = rest.split_at(arity as usize);
+        rest = after;
+        corners.clear();
+        corners.extend(face.iter().map(|&v| positions[v as usize]));
+        let of_face = |t: [usize; 3]| t.map(|corner| face[corner]);
+        match cut_concave(&corners) {
+            None => triangles.extend(fan(face.len()).map(of_face)),
+            Some(cut) => triangles.extend(cut.into_iter().map(of_face)),
+        }
+    }
+    triangles
 }
 
 /// The path of `name`, as a file in `folder` calls another: backslashes are taken for slashes, and when there is no such

@@ -117,7 +117,7 @@ fn materials_come_from_libraries_by_name() {
     let (file, notes) = read(&obj, &libraries);
     let of = |t: usize| &file.materials[file.mesh.materials[t] as usize];
     assert_eq!([of(0), of(1), of(2)].map(|m| m.name.as_str()), ["7", "lamp one", "default"]);
-    assert_eq!(of(1).emission, Vec3::new(1.0, 2.0, 3.0));
+    assert_eq!(of(1).emission.factor, Vec3::new(1.0, 2.0, 3.0));
     assert_eq!(notes.len(), 2);
     assert!(notes.iter().any(|n| n.contains("no library has material '?'")));
     assert!(notes.iter().any(|n| n.contains("'c.mtl' is missing")));
@@ -138,6 +138,96 @@ fn textures_are_found_ignoring_case_and_backslashes_and_missed_with_a_note() {
     assert!(reflectance.texture.is_none() && reflectance.factor == Vec3::Y);
     assert_eq!(notes.len(), 2);
     assert!(notes[0].contains("'gone.png' is missing") && notes[1].contains("cannot be read"));
+}
+
+/// A PNG file of one row.
+fn png(image: impl Into<image::DynamicImage>) -> Vec<u8> {
+    let mut file = std::io::Cursor::new(vec![]);
+    image.into().write_to(&mut file, image::ImageFormat::Png).unwrap();
+    file.into_inner()
+}
+
+#[test]
+fn maps_make_holes_relief_roughness_and_metal() {
+    let leaf = image::RgbaImage::from_raw(2, 1, vec![255, 0, 0, 0, 0, 255, 0, 255]).unwrap();
+    let grey = image::GrayImage::from_raw(2, 1, vec![0, 51]).unwrap();
+    let normal = image::RgbImage::from_raw(1, 1, vec![128, 128, 255]).unwrap();
+    let mtl = b"newmtl leaf\nKd 1 1 1\nmap_Kd -clamp on leaf.png\nmap_d leaf.png\nd 0\n\
+        newmtl metal\nKd 1 1 1\nPr 0.5\nmap_Pr grey.png\nmap_Pm -imfchan g leaf.png\nnorm normal.png\n\
+        newmtl bumpy\nmap_Bump -bm 2 grey.png\nbump gone.png\nmap_Ke leaf.png\nKe 2 2 2\n\
+        newmtl fake\nbump normal.png\n";
+    let obj = with_corners(
+        "mtllib m.mtl\nusemtl leaf\nf 1 2 3\nusemtl metal\nf 1 2 3\nusemtl bumpy\nf 1 2 3\nusemtl fake\nf 1 2 3\n",
+    );
+    let files = [("m.mtl", &mtl[..]), ("leaf.png", &png(leaf)), ("grey.png", &png(grey)), ("normal.png", &png(normal))];
+    let (file, notes) = read(&obj, &files);
+    let [leaf, metal, bumpy, fake] = [0, 1, 2, 3].map(|i| &file.materials[i]);
+    let holes = leaf.maps.opacity.as_ref().unwrap();
+    assert_eq!((holes.factor, holes.texture.as_ref().unwrap().texels.as_slice()), (1.0, &[0.0, 1.0][..]));
+    let Surface::Diffuse { reflectance } = &leaf.surface else { panic!("not diffuse") };
+    assert!(reflectance.texture.as_ref().unwrap().clamp);
+    assert!(matches!(&metal.surface, Surface::Coated { alpha: 0.25, .. }));
+    assert_eq!(metal.maps.roughness.as_ref().unwrap().texels, [0.0, 0.2]);
+    assert_eq!(metal.maps.metallic.as_ref().unwrap().texture.as_ref().unwrap().texels, [0.0, 1.0]);
+    let plain = metal.maps.normals.as_ref().unwrap();
+    assert_eq!(plain.texels, fake.maps.normals.as_ref().unwrap().texels, "a normal map by another name");
+    assert!(bumpy.maps.normals.is_none() && bumpy.emits());
+    assert_eq!(bumpy.emission.texture.as_ref().unwrap().texels[0], [1.0, 0.0, 0.0]);
+    assert_eq!(notes, ["material 'bumpy': texture 'gone.png' is missing; it is left out"]);
+}
+
+#[test]
+fn textures_of_sixteen_bits_and_other_formats_are_read() {
+    let grey = image::ImageBuffer::<image::Luma<u16>, _>::from_raw(1, 1, vec![0x8000_u16]).unwrap();
+    let colour = image::RgbImage::from_pixel(1, 1, image::Rgb([255, 255, 0]));
+    let encoded = |format| {
+        let mut file = std::io::Cursor::new(vec![]);
+        image::DynamicImage::from(colour.clone()).write_to(&mut file, format).unwrap();
+        file.into_inner()
+    };
+    let files = [
+        ("a.png", png(grey)),
+        ("b.tga", encoded(image::ImageFormat::Tga)),
+        ("c.bmp", encoded(image::ImageFormat::Bmp)),
+        ("d.jpg", encoded(image::ImageFormat::Jpeg)),
+    ];
+    let mut mtl = String::new();
+    let mut obj = "mtllib m.mtl\n".to_string();
+    for (name, _) in &files {
+        mtl += &format!("newmtl {name}\nmap_Kd {name}\n");
+        obj += &format!("usemtl {name}\nf 1 2 3\n");
+    }
+    let all: Vec<(&str, &[u8])> =
+        files.iter().map(|(name, file)| (*name, &file[..])).chain([("m.mtl", mtl.as_bytes())]).collect();
+    let (file, notes) = read(&with_corners(&obj), &all);
+    assert!(notes.is_empty(), "{notes:?}");
+    // The sRGB value of one half is 0.21404.
+    for (material, expected) in file
+        .materials
+        .iter()
+        .zip([Vec3::splat(0.214_04), Vec3::new(1.0, 1.0, 0.0)].iter().chain([&Vec3::new(1.0, 1.0, 0.0); 2]))
+    {
+        let Surface::Diffuse { reflectance } = &material.surface else { panic!("not diffuse") };
+        let texel = Vec3::from_array(reflectance.texture.as_ref().unwrap().texels[0]);
+        assert!((texel - expected).length() < 0.02, "{}: {texel}", material.name);
+    }
+}
+
+#[test]
+fn concave_faces_are_cut_and_what_is_no_face_is_said() {
+    let arrow = "v 0 0 0\nv 2 -1 0\nv .5 0 0\nv 2 1 0\nf 4 1 2 3\nf 1 2 3\np 1 2\nl 1 2\nl 2 3\ncurv 0 1 1 2\n";
+    let (file, notes) = read(arrow.as_bytes(), &[]);
+    // The diagonal through the notch, not the one outside.
+    let cut = |t: usize| file.mesh.triangles[t].map(|v| file.mesh.positions[v as usize]);
+    for t in 0..2 {
+        assert!(cut(t).contains(&Vec3::ZERO) && cut(t).contains(&Vec3::new(0.5, 0.0, 0.0)));
+    }
+    assert_eq!((file.mesh.triangles.len(), file.mesh.materials.len()), (3, 3));
+    let said: Vec<_> = notes.iter().map(|n| n.split_once(": ").unwrap().1).collect();
+    assert_eq!(
+        said,
+        ["1 statements of points left out", "2 statements of lines left out", "1 curves and curved surfaces left out"]
+    );
 }
 
 #[test]

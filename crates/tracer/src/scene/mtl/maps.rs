@@ -1,0 +1,54 @@
+//! The maps of an MTL entry beside its colours.
+
+use std::sync::Arc;
+
+use super::super::notes::Notes;
+use super::entry::MtlEntry;
+use super::texture_file::TextureFiles;
+use super::texture_line::{Channel, TextureLine};
+use crate::material::{Grey, SurfaceMaps};
+use crate::texture::Texture;
+
+impl MtlEntry {
+    /// The maps; without their textures when there is nobody to read them. What cannot be read is noted.
+    pub(super) fn maps(&self, mut read: Option<(&mut TextureFiles, &mut Notes)>) -> SurfaceMaps {
+        let mut grey = |line: &Option<TextureLine>, usual| {
+            let (line, (files, notes)) = (line.as_ref()?, read.as_mut()?);
+            self.found(files.greys(line, usual), notes)
+        };
+        let holes = grey(&self.opacity_map, Channel::Alpha);
+        let roughness = grey(&self.roughness_map, Channel::Luminance);
+        let metallic = grey(&self.metallic_map, Channel::Luminance);
+        let normals = read.and_then(|(files, notes)| self.normals(files, notes));
+        let opacity = self.opacity_factor();
+        let mut maps = SurfaceMaps::default();
+        maps.opacity = (holes.is_some() || opacity < 1.0).then_some(Grey { factor: opacity, texture: holes });
+        maps.normals = normals;
+        maps.roughness = roughness;
+        maps.metallic = metallic.map(|map| Grey { factor: self.metallic_factor(), texture: Some(map) });
+        maps
+    }
+
+    /// `norm`, else `bump`.
+    fn normals(&self, files: &mut TextureFiles, notes: &mut Notes) -> Option<Arc<Texture>> {
+        match (&self.normal_map, &self.bump_map) {
+            (Some(line), _) => self.found(files.normals(line), notes),
+            (None, Some(line)) => self.found(files.bumps(line), notes),
+            (None, None) => None,
+        }
+    }
+
+    fn found<T>(&self, texture: Result<T, String>, notes: &mut Notes) -> Option<T> {
+        texture.map_err(|why| notes.add(format!("material '{}': {why}; it is left out", self.name))).ok()
+    }
+
+    /// `d` of what is no glass. Zero is a habit of exporters, not a wish to see nothing.
+    fn opacity_factor(&self) -> f32 {
+        self.opacity.filter(|&d| d > 0.0 && !self.is_glass()).map_or(1.0, |d| d.min(1.0))
+    }
+
+    /// `Pm` in front of a texture.
+    fn metallic_factor(&self) -> f32 {
+        self.metallic.filter(|&pm| pm > 0.0).map_or(1.0, |pm| pm.min(1.0))
+    }
+}

@@ -1,0 +1,70 @@
+//! Decoding pictures.
+
+use std::path::Path;
+
+use image::{DynamicImage, ImageReader};
+
+/// Decodes a picture, told apart by its content.
+///
+/// # Errors
+/// In words, why it cannot be decoded.
+pub(super) fn decode(file: &Path) -> Result<DynamicImage, String> {
+    let reader = ImageReader::open(file).and_then(ImageReader::with_guessed_format).map_err(|e| e.to_string())?;
+    let image = reader.decode().map_err(|e| e.to_string())?;
+    if image.width() == 0 || image.height() == 0 { Err("it has no pixels".into()) } else { Ok(image) }
+}
+
+/// Width and height of a picture, and its pixels as linear RGB. Integers are taken as sRGB; floating point values are
+/// linear already.
+pub(super) fn linear_rgb(image: &DynamicImage) -> ([usize; 2], Vec<[f32; 3]>) {
+    let texels = match image {
+        _ if is_linear(image) => image.to_rgb32f().pixels().map(|p| p.0).collect(),
+        _ if image.color().bytes_per_pixel() / image.color().channel_count() == 1 => {
+            let table: Vec<f32> = (0..=255u16).map(|i| srgb_to_linear(f32::from(i) / 255.0)).collect();
+            image.to_rgb8().pixels().map(|p| p.0.map(|c| table[usize::from(c)])).collect()
+        }
+        _ => image.to_rgb32f().pixels().map(|p| p.0.map(srgb_to_linear)).collect(),
+    };
+    (size(image), texels)
+}
+
+/// Width and height, and pixels as they stand, without a transfer function: 0 … 1 where they are integers.
+pub(super) fn plain_rgb(image: &DynamicImage) -> ([usize; 2], Vec<[f32; 3]>) {
+    (size(image), image.to_rgb32f().pixels().map(|p| p.0).collect())
+}
+
+/// Width and height, and red, green, blue and alpha as they stand; alpha is 1 where there is none.
+pub(super) fn plain_rgba(image: &DynamicImage) -> ([usize; 2], Vec<[f32; 4]>) {
+    (size(image), image.to_rgba32f().pixels().map(|p| p.0).collect())
+}
+
+fn size(image: &DynamicImage) -> [usize; 2] {
+    [image.width() as usize, image.height() as usize]
+}
+
+fn is_linear(image: &DynamicImage) -> bool {
+    matches!(image, DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_))
+}
+
+/// The sRGB transfer function (IEC 61966-2-1), decoded.
+fn srgb_to_linear(c: f32) -> f32 {
+    if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn eight_bits_are_decoded_from_srgb() {
+        let image = DynamicImage::ImageRgb8(image::RgbImage::from_raw(2, 1, vec![0, 255, 128, 10, 188, 1]).unwrap());
+        let (_, texels) = linear_rgb(&image);
+        // Table values of the standard's inverse: 128 → 0.21586, 188 → 0.50289, 10 → 0.0030353, 1 → 0.00030353.
+        let expected = [[0.0, 1.0, 0.21586], [0.003_035_3, 0.502_89, 0.000_303_53]];
+        for (texel, expected) in texels.iter().zip(expected) {
+            for (a, b) in texel.iter().zip(expected) {
+                assert!((a - b).abs() < 1e-5, "{a} is not {b}");
+            }
+        }
+    }
+}
