@@ -15,12 +15,14 @@ const PROGRAM: f64 = 6e7;
 
 /// Beside the stack while its features are freed of noise.
 const PREPARING: f64 = 100.0;
-/// Once the stack is freed, up to the second pass.
+/// Once the stack is freed, where the second pass is made of the whole picture at once …
+const WHOLE: f64 = 520.0;
+/// … and before it.
 const REBUILDING: f64 = 495.0;
-/// Once it is freed, in the second pass as far as the whole picture is concerned …
+/// In a second pass by bands: what is there of the whole picture …
 const KEPT: f64 = 395.0;
-/// … and as far as the rows that are made at once are.
-const AT_ONCE: f64 = 180.0;
+/// … and what of the rows that are made at once, which are copied.
+const AT_ONCE: f64 = 380.0;
 /// Rows around those, about.
 const MARGIN: f64 = 96.0;
 
@@ -111,16 +113,18 @@ impl Need {
     fn plan(self, most: f64, output_needs_it: bool) -> Result<Plan, f64> {
         let most = most - PROGRAM;
         let pixels = self.size.pixels() as f64;
-        let whole = pixels * (KEPT + AT_ONCE).max(REBUILDING);
-        if output_needs_it && self.stack + whole <= most {
+        if output_needs_it && self.stack + pixels * WHOLE <= most {
             return Ok(Plan { free: false, rows: usize::MAX });
         }
         let before = (self.stack + pixels * PREPARING).max(self.passed + pixels * REBUILDING);
         if before > most {
             return Err(before + PROGRAM);
         }
+        if self.passed + pixels * WHOLE <= most {
+            return Ok(Plan { free: true, rows: usize::MAX });
+        }
         let share = ((most - self.passed) / pixels - KEPT) / AT_ONCE;
-        let rows = if share >= 1.0 { usize::MAX } else { (share * self.size.height as f64 - MARGIN).max(1.0) as usize };
+        let rows = (share * self.size.height as f64 - MARGIN).max(1.0) as usize;
         Ok(Plan { free: true, rows })
     }
 }
@@ -154,8 +158,8 @@ mod tests {
         assert_eq!(plan(1000.0, true), Ok(Plan { free: false, rows: usize::MAX }));
         assert_eq!(plan(800.0, true), Ok(Plan { free: true, rows: usize::MAX }));
         assert_eq!(plan(1000.0, false), Ok(Plan { free: true, rows: usize::MAX }));
-        let rows = plan(520.0, false).unwrap().rows;
-        assert!((1000..4000).contains(&rows), "{rows}");
+        let rows = plan(525.0, false).unwrap().rows;
+        assert!((500..2000).contains(&rows), "{rows}");
         assert!(plan(400.0, false).unwrap_err() > 4e6 * 450.0);
     }
 }
