@@ -208,6 +208,9 @@ pub struct DenoiseArgs {
     /// `noise` (something is known about the colour's), `variance` or `buckets` (what).
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub require: Vec<String>,
+    /// Another denoiser's picture of the same stack (.exr, .pfm), mixed in where it is likely to be nearer to the truth.
+    #[arg(long, value_name = "FILE", help_heading = "Picture")]
+    pub guide: Option<PathBuf>,
     #[command(flatten)]
     pub picture: PictureArgs,
     #[command(flatten)]

@@ -11,6 +11,7 @@ use stack::file::{Found, Inputs, ReadStack, Role, Source, StackHeader, read_inpu
 
 use crate::args::{DenoiseArgs, OutputArgs};
 use crate::failure::{Verdict, usage};
+use crate::guide::{Followed, Guide};
 use crate::output::{Outputs, Written};
 use crate::progress::Progress;
 use crate::settings::Settings;
@@ -23,6 +24,9 @@ pub fn run(args: &DenoiseArgs, matches: &ArgMatches) -> Result<Verdict> {
         return Err(usage("denoise needs an output file: -o FILE"));
     }
     if let Some(jobs) = batch::jobs(args)? {
+        if args.guide.is_some() {
+            return Err(usage("--guide is one picture: denoise one stack at a time"));
+        }
         return batch::run(args, matches, &jobs);
     }
     let task = Task { args, matches, inputs: inputs(args), output: args.output.clone() };
@@ -74,12 +78,15 @@ impl Task<'_> {
         let loaded = start.elapsed().as_secs_f64();
         require(self.args, &read)?;
         let settings = resolve(self.args, self.matches, read.header.as_ref())?;
+        let guide = self.args.guide.as_ref().map(|file| Guide::read(file, read.stack.size())).transpose()?;
         let header = header_of(&read, &settings);
-        let reconstruction = if outputs.need_inputs() {
+        let mut reconstruction = if outputs.need_inputs() || guide.is_some() {
             reconstruct(&read.stack, &settings.reconstruction, progress)?
         } else {
             reconstruct_freeing(&mut read.stack, &settings.reconstruction, progress)?
         };
+        let mix = |guide: Guide| guide.mix(&read.stack, &mut reconstruction, &settings.reconstruction, progress);
+        let followed = guide.map(mix).transpose()?;
         progress.finish();
         let written = Written {
             picture: &reconstruction.picture,
@@ -93,8 +100,14 @@ impl Task<'_> {
         let seconds =
             [("load", loaded), ("write", writing.elapsed().as_secs_f64()), ("total", start.elapsed().as_secs_f64())];
         say_what_was_done(progress, &reconstruction, seconds[2].1);
-        let outcome =
-            Outcome { outputs, written: &written, found: &read.found, settings: &settings, seconds: &seconds };
+        let outcome = Outcome {
+            outputs,
+            written: &written,
+            found: &read.found,
+            settings: &settings,
+            seconds: &seconds,
+            guide: followed.as_ref(),
+        };
         Ok(outcome.json(progress))
     }
 }
@@ -159,6 +172,7 @@ struct Outcome<'a> {
     found: &'a Found,
     settings: &'a Settings,
     seconds: &'a [(&'a str, f64)],
+    guide: Option<&'a Followed>,
 }
 
 impl Outcome<'_> {
@@ -173,6 +187,7 @@ impl Outcome<'_> {
             "seconds": self.seconds.iter().map(|(name, s)| (name.to_string(), json!(s))).collect::<serde_json::Map<_, _>>(),
             "stages": render::report::stages(progress),
             "lacks": render::report::lacks(self.written),
+            "guide": self.guide.map(Followed::json),
             "estimated_rmse": render::report::estimated_rmse(self.written),
             "energy": render::report::energy(self.written),
             "peak_bytes": render::report::peak_bytes(),

@@ -14,6 +14,7 @@ mod components;
 mod eight;
 mod emission;
 pub mod exp;
+pub mod guide;
 pub mod ln;
 mod lone_light;
 mod method;

@@ -78,9 +78,16 @@ impl Case {
     /// # Errors
     /// When sizes differ.
     pub fn judge(&self, picture: &Image) -> Result<Comparison> {
-        let reference = Reference { second: Some(&self.references[1]), ..Reference::new(&self.references[0]) };
-        compare(picture, &reference).with_context(|| self.name.clone())
+        judged_by(picture, &self.references).with_context(|| self.name.clone())
     }
+}
+
+/// Measures `picture` against two references.
+///
+/// # Errors
+/// When sizes differ.
+pub fn judged_by(picture: &Image, [first, second]: &[Image; 2]) -> Result<Comparison> {
+    Ok(compare(picture, &Reference { second: Some(second), ..Reference::new(first) })?)
 }
 
 /// The files b0.exr, b1.exr … of a folder.

@@ -7,7 +7,7 @@
 //! second regression is guided by the pilot (`second_pass`); and the candidates are mixed by their error and a small
 //! network (`choice`).
 
-mod alone;
+pub(crate) mod alone;
 mod cascade;
 mod choice;
 mod colour_guide;
@@ -15,13 +15,13 @@ mod error;
 mod features;
 mod first_pass;
 mod given;
-mod guided_kernel;
-mod halves;
+pub(crate) mod guided_kernel;
+pub(crate) mod halves;
 mod restore;
 mod second_pass;
 mod settings;
-mod split;
-mod spread;
+pub(crate) mod split;
+pub(crate) mod spread;
 #[cfg(test)]
 pub(crate) mod test_scene;
 
@@ -151,7 +151,11 @@ impl<'a> Prepared<'a> {
 }
 
 /// Both layers: by buckets where there are any, else by what is known of the mean.
-fn layers_of(component: &Component, stack: &FeatureStack, settings: &BestSettings) -> Result<Layers, ReconstructError> {
+pub(crate) fn layers_of(
+    component: &Component,
+    stack: &FeatureStack,
+    settings: &BestSettings,
+) -> Result<Layers, ReconstructError> {
     match &component.radiance.noise {
         Noise::VarianceOfMean(variance) => Ok(split_alone(&component.radiance.mean, variance)),
         _ => split::split(component, &stack.samples, &settings.split),
