@@ -216,6 +216,9 @@ pub struct DenoiseArgs {
     /// `noise` (something is known about the colour's), `variance` or `buckets` (what).
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub require: Vec<String>,
+    /// Another denoiser's picture of the same stack (.exr, .pfm), mixed in where it is likely to be nearer to the truth.
+    #[arg(long, value_name = "FILE", conflicts_with = "also", help_heading = "Picture")]
+    pub guide: Option<PathBuf>,
     /// Layers of light that the file carries along (passes, groups of lights), comma-separated: rebuilt with the weights
     /// of the picture, so that they still add up to it, and written under their own names.
     #[arg(long, value_name = "LIST", value_delimiter = ',')]

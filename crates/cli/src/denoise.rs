@@ -11,6 +11,7 @@ use stack::{FeatureStack, Image, Noise, Size};
 
 use crate::args::{DenoiseArgs, OutputArgs};
 use crate::failure::{Verdict, usage};
+use crate::guide::{Followed, Guide};
 use crate::memory::Plan;
 use crate::output::{Outputs, Written};
 use crate::progress::Progress;
@@ -25,6 +26,9 @@ pub fn run(args: &DenoiseArgs, matches: &ArgMatches) -> Result<Verdict> {
         return Err(usage("denoise needs an output file: -o FILE"));
     }
     if let Some(jobs) = batch::jobs(args)? {
+        if args.guide.is_some() {
+            return Err(usage("--guide is one picture: denoise one stack at a time"));
+        }
         return batch::run(args, matches, &jobs);
     }
     let task = Task { args, matches, inputs: inputs(args), output: args.output.clone() };
@@ -76,6 +80,7 @@ impl Task<'_> {
         let loaded = start.elapsed().as_secs_f64();
         require(self.args, &read)?;
         let settings = resolve(self.args, self.matches, read.header.as_ref())?;
+        let guide = self.args.guide.as_ref().map(|file| Guide::read(file, read.stack.size())).transpose()?;
         let header = header_of(&read, &settings);
         let noisy = mean_radiance(&read.stack.beauty());
         let passes = passes(&self.args.also, &read.stack)?;
@@ -83,6 +88,8 @@ impl Task<'_> {
         for (pass, rebuilt) in passes.iter().zip(std::mem::take(&mut reconstruction.passes)) {
             pass.replace(&mut read.stack, rebuilt);
         }
+        let mix = |guide: Guide| guide.mix(&read.stack, &mut reconstruction, &settings.reconstruction, progress);
+        let followed = guide.map(mix).transpose()?;
         progress.finish();
         let written = Written {
             picture: &reconstruction.picture,
@@ -96,8 +103,15 @@ impl Task<'_> {
         let seconds =
             [("load", loaded), ("write", writing.elapsed().as_secs_f64()), ("total", start.elapsed().as_secs_f64())];
         say_what_was_done(progress, &reconstruction, seconds[2].1);
-        let outcome =
-            Outcome { outputs, written: &written, noisy, found: &read.found, settings: &settings, seconds: &seconds };
+        let outcome = Outcome {
+            outputs,
+            written: &written,
+            noisy,
+            found: &read.found,
+            settings: &settings,
+            seconds: &seconds,
+            guide: followed.as_ref(),
+        };
         Ok(outcome.json(progress))
     }
 
@@ -105,7 +119,7 @@ impl Task<'_> {
         read_inputs(&self.inputs, &self.args.reading.options())
     }
 
-    /// The picture of `read`, of which the output finds there what it needs.
+    /// The picture of `read`, of which output and guide find there what they need.
     fn reconstruct(
         &self,
         read: &mut ReadStack,
@@ -115,14 +129,15 @@ impl Task<'_> {
         progress: &Progress,
     ) -> Result<Reconstruction> {
         let images: Vec<Image> = passes.iter().map(|pass| pass.image(&read.stack)).collect();
-        let plan = Plan::new(self.args.max_memory, &read.stack, settings.method, outputs.need_inputs())?;
+        let keep = outputs.need_inputs() || self.args.guide.is_some();
+        let plan = Plan::new(self.args.max_memory, &read.stack, settings.method, keep)?;
         let extras = Extras { rows: plan.rows, passes: &images };
         if !plan.free {
             return Ok(reconstruct_with(&read.stack, settings, extras, progress)?);
         }
         let before = fingerprint(&read.stack);
         let reconstruction = reconstruct_freeing(&mut read.stack, settings, extras, progress)?;
-        if outputs.need_inputs() {
+        if keep {
             read.stack = self.read()?.stack;
             if fingerprint(&read.stack) != before {
                 return Err(usage(
@@ -213,6 +228,7 @@ struct Outcome<'a> {
     found: &'a Found,
     settings: &'a Settings,
     seconds: &'a [(&'a str, f64)],
+    guide: Option<&'a Followed>,
 }
 
 impl Outcome<'_> {
@@ -227,6 +243,7 @@ impl Outcome<'_> {
             "seconds": self.seconds.iter().map(|(name, s)| (name.to_string(), json!(s))).collect::<serde_json::Map<_, _>>(),
             "stages": render::report::stages(progress),
             "lacks": render::report::lacks(self.written),
+            "guide": self.guide.map(Followed::json),
             "estimated_rmse": render::report::estimated_rmse(self.written),
             "energy": render::report::energy(self.noisy, self.written.picture),
             "peak_bytes": render::report::peak_bytes(),

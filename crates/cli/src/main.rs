@@ -7,6 +7,7 @@ mod denoise;
 mod experiment;
 mod exposure;
 mod failure;
+mod guide;
 mod info;
 mod interrupt;
 mod mask;

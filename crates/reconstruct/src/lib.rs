@@ -15,6 +15,7 @@ mod components;
 mod eight;
 mod emission;
 pub mod exp;
+pub mod guide;
 pub mod ln;
 mod lone_light;
 mod method;

@@ -2,6 +2,7 @@
 
 use crate::best::BestSettings;
 use crate::completion::CompletionSettings;
+use crate::guide::GuideSettings;
 use crate::method::MethodSettings;
 use crate::prefilter::PrefilterSettings;
 use crate::regression::RegressionSettings;
@@ -34,5 +35,7 @@ stack::knob_groups! {
         apr: AprSettings,
         /// The learning-based filter.
         lbf: LbfSettings,
+        /// Another denoiser's picture.
+        guide: GuideSettings,
     }
 }

@@ -40,7 +40,8 @@ impl Case {
     }
 
     /// Opens a folder that may hold less: b0.exr alone is a stack that knows nothing about its noise, and one reference
-    /// stands for two. Perhaps it has oidn-colour.exr, made from colour alone.
+    /// stands for two. Perhaps it has oidn-colour.exr, made from colour alone, and
+    /// oidn-clean.exr, made with features denoised first.
     ///
     /// # Errors
     /// When a file that must be there cannot be read.
@@ -48,7 +49,7 @@ impl Case {
         let buckets = buckets(folder);
         let read = if let [alone] = &buckets[..] { read_stack(alone) } else { read_buckets(&buckets) };
         let second = |first: &Image| Ok(picture_if_there(folder, "ref2")?.unwrap_or_else(|| first.clone()));
-        Self::with(folder, read, second, &["oidn", "oidn-colour"])
+        Self::with(folder, read, second, &["oidn", "oidn-colour", "oidn-clean"])
     }
 
     fn with(
@@ -78,9 +79,16 @@ impl Case {
     /// # Errors
     /// When sizes differ.
     pub fn judge(&self, picture: &Image) -> Result<Comparison> {
-        let reference = Reference { second: Some(&self.references[1]), ..Reference::new(&self.references[0]) };
-        compare(picture, &reference).with_context(|| self.name.clone())
+        judged_by(picture, &self.references).with_context(|| self.name.clone())
     }
+}
+
+/// Measures `picture` against two references.
+///
+/// # Errors
+/// When sizes differ.
+pub fn judged_by(picture: &Image, [first, second]: &[Image; 2]) -> Result<Comparison> {
+    Ok(compare(picture, &Reference { second: Some(second), ..Reference::new(first) })?)
 }
 
 /// The files b0.exr, b1.exr … of a folder.

@@ -8,6 +8,7 @@ mod errormap;
 mod figures;
 mod fireflies;
 mod geometric_mean;
+mod guide;
 mod learning;
 mod methods;
 mod oidn;
@@ -48,6 +49,9 @@ pub enum Experiment {
     /// What is left of quality as a stack knows less, from buckets down to colour alone. Inputs: folders as for stages,
     /// perhaps with oidn.exr and oidn-colour.exr; b0.exr alone, and one reference, will do.
     Degrade,
+    /// Errors with other denoisers' and useless pictures as guides (--guide), over those of the better of both. Inputs:
+    /// folders as for degrade.
+    Guide,
     /// Planted fireflies found, and marks where there are none, on synthetic pictures. No inputs.
     Fireflies,
     /// Trains the learning-based filter (--method lbf) on variations of scenes/*.toml of this project, writes its
@@ -84,6 +88,7 @@ pub fn run(args: &ExperimentArgs) -> Result<Verdict> {
         Experiment::Errormap => errormap::run(args, &progress)?,
         Experiment::Figures => figures::run(args, &progress)?,
         Experiment::Degrade => degrade::run(args, &progress)?,
+        Experiment::Guide => guide::run(args, &progress)?,
         Experiment::Fireflies => fireflies::run(&progress)?,
         Experiment::Lbf => learning::run(args, &progress)?,
         Experiment::Chooser => chooser::run(args, &progress)?,

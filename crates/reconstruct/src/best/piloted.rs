@@ -131,7 +131,11 @@ impl<'a> Piloted<'a> {
 }
 
 /// Both layers: by buckets where there are any, else by what is known of the mean.
-fn layers_of(component: &Component, stack: &FeatureStack, settings: &BestSettings) -> Result<Layers, ReconstructError> {
+pub fn layers_of(
+    component: &Component,
+    stack: &FeatureStack,
+    settings: &BestSettings,
+) -> Result<Layers, ReconstructError> {
     match &component.radiance.noise {
         Noise::VarianceOfMean(variance) => Ok(split_alone(&component.radiance.mean, variance)),
         _ => split::split(component, &stack.samples, &settings.split),

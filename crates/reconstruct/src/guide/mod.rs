@@ -1,0 +1,191 @@
+//! A picture by another denoiser as a guide: `x + w (g − x)`, x what a method of this crate made of the stack, g the
+//! guide, w a weight for every pixel.
+//!
+//! The weight of least error is ⟨d, t − x⟩/⟨d, d⟩ with d = g − x and t the truth. In place of the truth there is the noisy
+//! picture y = t + n, and ⟨d, y − x⟩ = ⟨d, t − x⟩ + cov(g, n) − cov(x, n): whatever was made from the same samples leans
+//! towards their noise. For a denoiser that is as good as it can be the covariance is its squared error itself (its error
+//! is orthogonal to y, hence E[(g − t) n] = E[(g − t)²]), so that of two good pictures the *worse* one is nearer to y.
+//! No formula in second moments can know that covariance from one picture. What helps is what denoisers have in common:
+//! a small network (`judge`) has seen how far pictures of many kinds were from the truth, and is told the moments of d,
+//! of y − x and of their neighbours, smoothed on surfaces on three scales and over the whole picture (`moments`, `inputs`).
+//! Events, as in [`crate::best`], are spread before y judges anyone (`evidence`).
+//!
+//! This works on the result of any method; the network has learned on those of `best`, `fast` and `nfor`.
+
+mod evidence;
+mod inputs;
+mod judge;
+mod moments;
+mod weights;
+
+use stack::{Fault, FeatureStack, Image, Monitor, Silent, Size};
+
+use self::evidence::Evidence;
+pub use self::inputs::INPUTS;
+use self::inputs::Inputs;
+use self::moments::Moments;
+use crate::completion::complete;
+use crate::network::WeightsError;
+use crate::prefilter::PrefilterError;
+use crate::reconstruction::{ReconstructError, Reconstruction};
+use crate::settings::Settings;
+
+stack::knobs! {
+    /// How far another denoiser's picture is followed.
+    pub struct GuideSettings("guide") {
+        /// Multiple of the weight that a guide deserves by what is known about it; 0 leaves the guide alone.
+        strength: f32 = 1.0, 0.0..=1.0;
+    }
+}
+
+/// A picture with a guide mixed in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Guided {
+    /// Three channels of linear radiance, not negative.
+    pub picture: Image,
+    /// Weight of the guide at every pixel, 0 to 1.
+    pub weights: Vec<f32>,
+}
+
+impl Guided {
+    /// Mean weight of the guide.
+    pub fn mean_weight(&self) -> f64 {
+        self.weights.iter().map(|w| f64::from(*w)).sum::<f64>() / self.weights.len().max(1) as f64
+    }
+}
+
+/// Why a guide could not be used.
+#[derive(Debug, thiserror::Error)]
+pub enum GuideError {
+    /// It does not cover the picture.
+    #[error("the guide is {found}: expected {expected}, the size of the stack; give the picture of the same pixels")]
+    WrongSize {
+        /// The stack's size.
+        expected: Size,
+        /// The guide's.
+        found: Size,
+    },
+    /// What the guide is judged by could not be had.
+    #[error(transparent)]
+    Reconstruct(#[from] ReconstructError),
+}
+
+impl From<PrefilterError> for GuideError {
+    fn from(error: PrefilterError) -> Self {
+        Self::Reconstruct(error.into())
+    }
+}
+
+impl From<WeightsError> for GuideError {
+    fn from(error: WeightsError) -> Self {
+        Self::Reconstruct(error.into())
+    }
+}
+
+impl GuideError {
+    /// Whose fault this is.
+    pub fn fault(&self) -> Fault {
+        match self {
+            Self::WrongSize { .. } => Fault::Input,
+            Self::Reconstruct(error) => error.fault(),
+        }
+    }
+}
+
+/// Checks that `guide` covers a picture of `size`.
+///
+/// # Errors
+/// When it does not.
+pub fn check_guide(guide: &Image, size: Size) -> Result<(), GuideError> {
+    if guide.size() == size { Ok(()) } else { Err(GuideError::WrongSize { expected: size, found: guide.size() }) }
+}
+
+/// What `stack` was rebuilt to, with the `guide`, three channels of linear radiance, mixed in where it is likely to be
+/// nearer to the truth. Values of the guide that are not finite are left out. Reports the stage `guide`.
+///
+/// # Errors
+/// When the guide has another size, the stack's features cannot be used, or `monitor` cancels.
+pub fn guided(
+    stack: &FeatureStack,
+    rebuilt: &Reconstruction,
+    guide: &Image,
+    settings: &Settings,
+    monitor: &dyn Monitor,
+) -> Result<Guided, GuideError> {
+    Hearing::new(stack, rebuilt, guide, settings, monitor)?.verdict(settings.guide.strength)
+}
+
+/// A picture, its guide, and all that is known about both.
+pub struct Hearing {
+    picture: Image,
+    guide: Image,
+    moments: Moments,
+}
+
+impl Hearing {
+    /// Gathers it; arguments and errors are those of [`guided`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn new(
+        stack: &FeatureStack,
+        rebuilt: &Reconstruction,
+        guide: &Image,
+        settings: &Settings,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, GuideError> {
+        check_guide(guide, stack.size())?;
+        monitor.begin("guide", 1);
+        // What was made up has been told when the picture was rebuilt.
+        let completed = complete(stack, &settings.completion, &Silent)?;
+        let evidence = Evidence::new(&completed.stack, &rebuilt.picture, &settings.best, &Within(monitor))?;
+        let guide = sound(guide, &rebuilt.picture);
+        let moments = Moments::new(&evidence, rebuilt, &guide);
+        Ok(Self { picture: rebuilt.picture.clone(), guide, moments })
+    }
+
+    /// What the network is told about `pixel`.
+    pub fn told(&self, pixel: usize) -> [f32; INPUTS] {
+        Inputs::new(&self.moments).at(pixel)
+    }
+
+    /// The mixture, weights times `strength`.
+    ///
+    /// # Errors
+    /// When the weights of the network cannot be used.
+    pub fn verdict(&self, strength: f32) -> Result<Guided, GuideError> {
+        let mut weights = weights::trained()?.weights(&Inputs::new(&self.moments));
+        weights.iter_mut().for_each(|weight| *weight *= strength);
+        Ok(Guided { picture: mixed(&self.picture, &self.guide, &weights), weights })
+    }
+}
+
+/// A monitor of the steps inside a stage: they may be stopped, and are no stages of their own.
+struct Within<'a>(&'a dyn Monitor);
+
+impl Monitor for Within<'_> {
+    fn cancelled(&self) -> bool {
+        self.0.cancelled()
+    }
+}
+
+/// `guide` without what is negative, and where it is not finite as `picture` is.
+fn sound(guide: &Image, picture: &Image) -> Image {
+    let planes = guide.channels().iter().zip(picture.channels());
+    let value = |(g, x): (&f32, &f32)| if g.is_finite() { g.max(0.0) } else { *x };
+    Image::from_channels(guide.size(), planes.map(|(g, x)| g.iter().zip(x).map(value).collect()).collect())
+}
+
+/// `picture` and `guide`, the latter by its `weights`.
+fn mixed(picture: &Image, guide: &Image, weights: &[f32]) -> Image {
+    let mut mixed = picture.clone();
+    for (plane, guide) in mixed.channels_mut().iter_mut().zip(guide.channels()) {
+        for ((x, g), w) in plane.iter_mut().zip(guide).zip(weights) {
+            *x = (*x + w * (g - *x)).max(0.0);
+        }
+    }
+    mixed
+}
+
+#[cfg(test)]
+mod tests;

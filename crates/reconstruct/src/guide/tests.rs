@@ -1,0 +1,92 @@
+use super::*;
+use crate::best::test_scene::{error, flat, stack_of, walls, with_noise};
+use crate::reconstruct;
+use crate::test_noise::TestNoise;
+
+const SIZE: Size = Size::new(72, 60);
+
+struct Scene {
+    truth: Image,
+    stack: FeatureStack,
+    rebuilt: Reconstruction,
+}
+
+fn scene() -> Scene {
+    let truth = walls(SIZE);
+    let stack = stack_of(&truth, 4);
+    let rebuilt = reconstruct(&stack, &Settings::default(), &Silent).unwrap();
+    Scene { truth, stack, rebuilt }
+}
+
+impl Scene {
+    fn guided(&self, guide: &Image) -> Guided {
+        guided(&self.stack, &self.rebuilt, guide, &Settings::default(), &Silent).unwrap()
+    }
+
+    /// Squared error with a guide over that without.
+    fn ratio(&self, guide: &Image) -> f32 {
+        error(&self.guided(guide).picture, &self.truth) / error(&self.rebuilt.picture, &self.truth)
+    }
+}
+
+#[test]
+fn an_exact_guide_helps_and_useless_ones_do_no_harm() {
+    let scene = scene();
+    let exact = scene.ratio(&scene.truth);
+    let black = scene.ratio(&flat(SIZE, 0.0));
+    let noisy = scene.ratio(&scene.stack.beauty());
+    let other = scene.ratio(&with_noise(&scene.truth, 0.3, &mut TestNoise(9)));
+    println!("exact {exact} black {black} noisy {noisy} other {other}");
+    assert!(exact < 0.8, "{exact}");
+    for useless in [black, noisy, other] {
+        assert!(useless < 1.02, "{useless}");
+    }
+    let black = scene.guided(&flat(SIZE, 0.0));
+    assert!(error(&black.picture, &scene.rebuilt.picture) < 4e-4 * error(&scene.rebuilt.picture, &flat(SIZE, 0.0)));
+}
+
+#[test]
+fn our_own_picture_as_a_guide_changes_nothing() {
+    let scene = scene();
+    let picture = scene.guided(&scene.rebuilt.picture).picture;
+    assert_eq!(picture, scene.rebuilt.picture);
+}
+
+#[test]
+fn values_that_are_not_finite_are_left_out() {
+    let scene = scene();
+    let mut guide = scene.truth.clone();
+    let hole = SIZE.index(30, 20);
+    guide.channels_mut()[0][hole] = f32::NAN;
+    guide.channels_mut()[2][hole + 7] = f32::INFINITY;
+    let guided = scene.guided(&guide);
+    assert!(guided.picture.channels().iter().flatten().all(|v| v.is_finite()));
+    assert_eq!(guided.picture.channels()[0][hole], scene.rebuilt.picture.channels()[0][hole]);
+}
+
+#[test]
+fn no_strength_leaves_the_guide_alone() {
+    let scene = scene();
+    let mut settings = Settings::default();
+    settings.guide.strength = 0.0;
+    let guided = guided(&scene.stack, &scene.rebuilt, &scene.truth, &settings, &Silent).unwrap();
+    assert_eq!((guided.picture.clone(), guided.mean_weight()), (scene.rebuilt.picture, 0.0));
+}
+
+#[test]
+fn a_guide_of_another_size_is_refused() {
+    let error = check_guide(&flat(Size::new(5, 4), 1.0), SIZE).unwrap_err();
+    assert!(matches!(error.fault(), Fault::Input));
+    let text = error.to_string();
+    assert!(text.contains("5x4") && text.contains("72x60"), "{text}");
+}
+
+#[test]
+fn the_picture_does_not_depend_on_the_number_of_threads() {
+    let scene = scene();
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| scene.guided(&scene.truth))
+    };
+    assert_eq!(with(1), with(3));
+}
