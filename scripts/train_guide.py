@@ -1,107 +1,136 @@
 #!/usr/bin/env python3
-"""Trains the network that judges guides (`tamis denoise --guide`), and writes its weights.
+"""Trains the network that says how far `tamis denoise --guide` follows a guide.
 
-    pip install numpy
-    tamis experiment guide FOLDER… -o DIR           writes a .lesson beside every picture
-    python scripts/train_guide.py DIR/*.lesson -o crates/reconstruct/src/guide/weights.txt
+    tamis experiment guide FOLDER… -o DIR          (writes DIR/*.lesson, a file for each stack and guide)
+    python scripts/train_guide.py DIR… -o crates/reconstruct/src/guide/weights.txt
 
-A lesson is what the network is told about some pixels of a picture and its guide, and what a weight there costs
-(`write_lesson` in crates/cli/src/experiment/guide/lesson.rs). The weights minimise, by Adam, the mean error of the mixture
-over that of the better of picture and guide, every lesson alike: error(w) = ⟨x − r⟩² + w² ⟨d, d⟩ − 2 w ⟨d, t − x⟩.
-The same lessons and seed give the same weights on one machine.
+A lesson holds rows of little-endian 32-bit floats: the network's inputs at a pixel, then N = <d, t − x>, D = <d, d> and
+E = <x − r1, x − r2> there, and the error of the better of picture and guide (crates/cli/src/experiment/guide/lesson.rs).
+A weight w costs E + w²D − 2wN; the loss is the mean of w²D − 2wN over that error. Needs numpy; a few minutes on one
+core. The same seed gives the same weights on the same machine.
 """
 
 import argparse
-import sys
+import glob
+import os
 
 import numpy as np
 
+INPUTS = 61
 HIDDEN = 24
-COSTS = 4  # ⟨d, t − x⟩, ⟨d, d⟩, ⟨x − r₁, x − r₂⟩, error of the better picture
-FURTHEST = 3.0  # deviations from the mean that an input may have
-STEPS, BATCH, RATE, DECAY = 1000, 30, 0.01, 1e-3
+STEPS = 1000
+# Rows of every lesson that make a step.
+BATCH = 30
+RATE = 0.015
+DECAY = 1e-3
+# Inputs are cut off this many deviations from their mean, as in judge.rs.
+FURTHEST = 3.0
+# Slopes of one pixel are cut off here.
+STEEPEST = (-20.0, 200.0)
+# How much lessons of a guide count; others count 1.
+COUNTS = {"oidn": 3.0, "oidn-clean": 2.0, "oidn-colour": 2.0, "a_reference": 0.7, "black": 0.5, "noisy_blurred_more": 0.5}
+# Guides that are no denoiser's result: their harm counts this much more than their help.
+CAUTION = 1.8
+CAUTIOUS = ("blurred", "noise", "noisy", "nfor")
+# Nothing is to be learned from a black guide but to leave it alone.
+BLACK = "black"
 
 
-def read_lesson(path, columns):
-    """Inputs and costs of the pixels of one lesson."""
-    numbers = np.fromfile(path, "<f4")
-    if numbers.size == 0 or numbers.size % columns:
-        sys.exit(f"{path}: expected rows of {columns} numbers, found {numbers.size} numbers in all")
-    rows = numbers.reshape(-1, columns)
-    return rows[:, :-COSTS], rows[:, -COSTS:]
+def read_lessons(folders):
+    """Rows, loss weights and names of all lessons; rows are cut to the shortest lesson."""
+    lessons = []
+    for path in sorted(path for folder in folders for path in glob.glob(os.path.join(folder, "*.lesson"))):
+        rows = np.fromfile(path, "<f4").reshape(-1, INPUTS + 4)
+        lessons.append((os.path.basename(path)[: -len(".lesson")], rows))
+    count = min(len(rows) for _, rows in lessons)
+    random = np.random.default_rng(5)
+    return [(name, rows[random.permutation(len(rows))[:count]]) for name, rows in lessons]
 
 
-def forward(network, inputs):
-    """Hidden nodes and the weight of the guide."""
-    weights, biases, output, bias = network
-    hidden = np.tanh(inputs @ weights + biases)
-    return hidden, 1.0 / (1.0 + np.exp(-(hidden @ output + bias[0])))
+def kind_of(name):
+    """The guide's kind: what follows the stack's name. Kinds are known by how they end."""
+    known = [*COUNTS, "fast", "nfor", "noisy", "noisy_blurred", "ours_blurred", "oidn_blurred", "oidn_darker"]
+    known += ["oidn_with_noise", "a_reference_with_noise"]
+    fitting = [kind for kind in known if name.endswith("-" + kind)]
+    return max(fitting, key=len, default="")
 
 
-def gradients(network, inputs, costs):
-    weights, _, output, _ = network
-    hidden, weight = forward(network, inputs)
-    slope = np.clip((2.0 * weight * costs[:, 1] - 2.0 * costs[:, 0]) / costs[:, 3], -20.0, 20.0)
-    slope *= weight * (1.0 - weight) / len(inputs)
-    inner = np.outer(slope, output) * (1.0 - hidden**2)
-    decay = DECAY * weights, DECAY * output
-    return [inputs.T @ inner + decay[0], inner.sum(0), hidden.T @ slope + decay[1], np.array([slope.sum()])]
+class Batches:
+    """All lessons as arrays: inputs, N, D, the factor on each lesson's loss."""
+
+    def __init__(self, lessons):
+        kinds = [kind_of(name) for name, _ in lessons]
+        rows = np.stack([rows for _, rows in lessons])
+        self.inputs, self.gain, self.cost = rows[..., :INPUTS], rows[..., INPUTS], rows[..., INPUTS + 1]
+        caution = [CAUTION if any(word in kind for word in CAUTIOUS) else 1.0 for kind in kinds]
+        self.cost = self.cost * np.float32(caution)[:, None]
+        black = np.array([kind == BLACK for kind in kinds])
+        self.gain = np.where(black[:, None], np.minimum(self.gain, 0), self.gain)
+        counts = np.float32([COUNTS.get(kind, 1.0) for kind in kinds])
+        self.factor = (counts / rows[:, 0, INPUTS + 3])[:, None]
 
 
-def train(lessons, seed):
-    """The network, and what inputs are normalised by."""
+def train(batches, seed):
+    """Means, deviations and parameters (hidden weights, hidden biases, output weights, output bias) by Adam."""
+    sample = batches.inputs[:, :200].reshape(-1, INPUTS)
+    means, deviations = sample.mean(0), sample.std(0) + np.float32(1e-3)
+    inputs = np.clip((batches.inputs - means) / deviations, -FURTHEST, FURTHEST)
     random = np.random.default_rng(seed)
-    everything = np.concatenate([inputs for inputs, _ in lessons])
-    means, deviations = everything.mean(0), everything.std(0) + 1e-3
-    standard = [np.clip((inputs - means) / deviations, -FURTHEST, FURTHEST) for inputs, _ in lessons]
-    count = len(means)
-    # It starts with little trust.
-    network = [random.normal(0, 0.7 / np.sqrt(count), (count, HIDDEN)), np.zeros(HIDDEN), random.normal(0, 0.1, HIDDEN)]
-    network.append(np.array([-2.0]))
-    first, second = ([np.zeros_like(part) for part in network] for _ in range(2))
-    for step in range(1, STEPS + 1):
-        drawn = [random.integers(0, len(inputs), BATCH) for inputs in standard]
-        inputs = np.concatenate([inputs[rows] for inputs, rows in zip(standard, drawn)])
-        costs = np.concatenate([costs[rows] for (_, costs), rows in zip(lessons, drawn)])
-        rate = RATE * (1.0 - 0.95 * step / STEPS)
-        for i, gradient in enumerate(gradients(network, inputs, costs)):
-            first[i] = 0.9 * first[i] + 0.1 * gradient
-            second[i] = 0.999 * second[i] + 0.001 * gradient**2
-            network[i] -= rate * (first[i] / (1 - 0.9**step)) / (np.sqrt(second[i] / (1 - 0.999**step)) + 1e-8)
-    return network, means, deviations
+    parameters = [
+        random.normal(0, 0.7 / np.sqrt(INPUTS), (INPUTS, HIDDEN)),
+        np.zeros(HIDDEN),
+        random.normal(0, 0.1, HIDDEN),
+        np.array([-2.0]),
+    ]
+    parameters = [p.astype(np.float32) for p in parameters]
+    first, second = ([np.zeros_like(p) for p in parameters] for _ in range(2))
+    for step in range(STEPS):
+        at = random.integers(0, inputs.shape[1] - BATCH)
+        rows = slice(at, at + BATCH)
+        gain, cost = ((plane[:, rows] * batches.factor).ravel() for plane in (batches.gain, batches.cost))
+        slopes = gradient(parameters, inputs[:, rows].reshape(-1, INPUTS), gain, cost)
+        rate = RATE * (1 - 0.95 * step / STEPS)
+        for i, slope in enumerate(slopes):
+            slope = slope + DECAY * parameters[i] * (i in (0, 2))
+            first[i] = 0.9 * first[i] + 0.1 * slope
+            second[i] = 0.999 * second[i] + 0.001 * slope * slope
+            unbiased = first[i] / (1 - 0.9 ** (step + 1)), second[i] / (1 - 0.999 ** (step + 1))
+            parameters[i] = (parameters[i] - rate * unbiased[0] / (np.sqrt(unbiased[1]) + 1e-8)).astype(np.float32)
+    return means, deviations, parameters
 
 
-def write(path, network, means, deviations):
-    weights, biases, output, bias = network
-    line = lambda name, values: name + "".join(f" {value:.7g}" for value in values)
-    lines = ["# Written by `scripts/train_guide.py`; see weights.rs for the format.", f"tamis-guide 1 {len(means)} {HIDDEN}"]
-    lines += [line("means", means), line("deviations", deviations)]
-    lines += [line("hidden", [biases[j], *weights[:, j]]) for j in range(HIDDEN)]
-    lines.append(line("output", [bias[0], *output]))
-    with open(path, "w", encoding="utf-8") as file:
+def gradient(parameters, inputs, gain, cost):
+    hidden_weights, hidden_biases, output_weights, output_bias = parameters
+    hidden = np.tanh(inputs @ hidden_weights + hidden_biases)
+    weight = 1 / (1 + np.exp(-(hidden @ output_weights + output_bias[0])))
+    slope = np.clip(2 * weight * cost - 2 * gain, *STEEPEST)
+    slope = (slope * weight * (1 - weight) / len(inputs)).astype(np.float32)
+    back = slope[:, None] * output_weights * (1 - hidden * hidden)
+    return inputs.T @ back, back.sum(0), hidden.T @ slope, np.array([slope.sum()])
+
+
+def write(path, means, deviations, parameters):
+    hidden_weights, hidden_biases, output_weights, output_bias = parameters
+    lines = ["# Written by `scripts/train_guide.py`; see weights.rs for the format.", f"tamis-guide 1 {INPUTS} {HIDDEN}"]
+    add = lambda name, numbers: lines.append(" ".join([name, *(str(np.float32(v)) for v in numbers)]))
+    add("means", means)
+    add("deviations", deviations)
+    for node in range(HIDDEN):
+        add("hidden", [hidden_biases[node], *hidden_weights[:, node]])
+    add("output", [output_bias[0], *output_weights])
+    with open(path, "w", encoding="ascii") as file:
         file.write("\n".join(lines) + "\n")
-
-
-def gain(network, means, deviations, lesson):
-    """Error of the mixture over that of the better picture, on the pixels of a lesson."""
-    inputs, costs = lesson
-    _, weight = forward(network, np.clip((inputs - means) / deviations, -FURTHEST, FURTHEST))
-    error = costs[:, 2] + weight**2 * costs[:, 1] - 2.0 * weight * costs[:, 0]
-    return error.mean() / costs[0, 3]
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("lessons", nargs="+", metavar="LESSON")
-    parser.add_argument("-o", "--output", required=True, help="the weights file")
-    parser.add_argument("--inputs", type=int, default=61, help="numbers the network is told")
-    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("folders", nargs="+", metavar="DIR", help="folders of lessons; one given twice counts twice")
+    parser.add_argument("-o", "--output", required=True, metavar="FILE", help="the weights")
+    parser.add_argument("--seed", type=int, default=3)
     options = parser.parse_args()
-    lessons = [read_lesson(path, options.inputs + COSTS) for path in options.lessons]
-    trained = train(lessons, options.seed)
-    write(options.output, *trained)
-    gains = [gain(*trained, lesson) for lesson in lessons]
-    print(f"{len(lessons)} lessons: error over that of the better picture {np.mean(gains):.3f} on average (seen in training)")
+    lessons = read_lessons(options.folders)
+    print(f"{len(lessons)} lessons of {len(lessons[0][1])} pixels")
+    write(options.output, *train(Batches(lessons), options.seed))
 
 
 if __name__ == "__main__":
