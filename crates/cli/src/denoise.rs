@@ -7,12 +7,12 @@ use clap::ArgMatches;
 use reconstruct::{Extras, Reconstruction, reconstruct_freeing, reconstruct_with};
 use serde_json::{Value, json};
 use stack::file::{FileError, Found, Inputs, Pass, ReadStack, Role, Source, StackHeader, read_inputs};
-use stack::{FeatureStack, Image, Noise, Size};
+use stack::{FeatureStack, Image, Noise};
 
 use crate::args::{DenoiseArgs, OutputArgs};
 use crate::failure::{Verdict, usage};
 use crate::guide::{Followed, Guide};
-use crate::memory::Plan;
+use crate::memory::{self, Plan};
 use crate::output::{Outputs, Written};
 use crate::progress::Progress;
 use crate::render::report::mean_radiance;
@@ -84,7 +84,8 @@ impl Task<'_> {
         let header = header_of(&read, &settings);
         let noisy = mean_radiance(&read.stack.beauty());
         let passes = passes(&self.args.also, &read.stack)?;
-        let mut reconstruction = self.reconstruct(&mut read, &passes, &settings.reconstruction, outputs, progress)?;
+        let mut reconstruction =
+            self.reconstruct(&mut read, noisy, &passes, &settings.reconstruction, outputs, progress)?;
         for (pass, rebuilt) in passes.iter().zip(std::mem::take(&mut reconstruction.passes)) {
             pass.replace(&mut read.stack, rebuilt);
         }
@@ -119,10 +120,11 @@ impl Task<'_> {
         read_inputs(&self.inputs, &self.args.reading.options())
     }
 
-    /// The picture of `read`, of which output and guide find there what they need.
+    /// The picture of `read`, whose mean radiance is `noisy`; output and guide find there what they need.
     fn reconstruct(
         &self,
         read: &mut ReadStack,
+        noisy: f64,
         passes: &[Pass],
         settings: &reconstruct::Settings,
         outputs: &Outputs,
@@ -135,11 +137,12 @@ impl Task<'_> {
         if !plan.free {
             return Ok(reconstruct_with(&read.stack, settings, extras, progress)?);
         }
-        let before = fingerprint(&read.stack);
+        let size = read.stack.size();
         let reconstruction = reconstruct_freeing(&mut read.stack, settings, extras, progress)?;
         if keep {
             read.stack = self.read()?.stack;
-            if fingerprint(&read.stack) != before {
+            let again = mean_radiance(&read.stack.beauty());
+            if read.stack.size() != size || again.to_bits() != noisy.to_bits() {
                 return Err(usage(
                     "the input is no longer what it was when it was denoised: leave it as it is until the end",
                 ));
@@ -147,11 +150,6 @@ impl Task<'_> {
         }
         Ok(reconstruction)
     }
-}
-
-/// What is compared to see whether an input has changed.
-fn fingerprint(stack: &FeatureStack) -> (Size, u64) {
-    (stack.size(), mean_radiance(&stack.beauty()).to_bits())
 }
 
 /// The layers of `stack` that are called `names`.
@@ -246,7 +244,7 @@ impl Outcome<'_> {
             "guide": self.guide.map(Followed::json),
             "estimated_rmse": render::report::estimated_rmse(self.written),
             "energy": render::report::energy(self.noisy, self.written.picture),
-            "peak_bytes": render::report::peak_bytes(),
+            "peak_bytes": memory::peak_bytes(),
             "settings": self.settings.to_json(),
         })
     }

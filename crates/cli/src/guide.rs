@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
+use reconstruct::Reconstruction;
 use reconstruct::guide::{check_guide, guided};
-use reconstruct::{Fit, Method, Reconstruction};
 use serde_json::{Value, json};
 use stack::file::read_picture;
 use stack::{FeatureStack, Image, Size};
@@ -48,7 +48,7 @@ impl Guide {
         let guided = guided(stack, rebuilt, &self.picture, settings, progress)?;
         let mean_weight = guided.mean_weight();
         rebuilt.picture = guided.picture;
-        if settings.method.method != Method::Ours || settings.method.fit != Fit::Collaborative {
+        if !settings.method.is_collaborative() {
             progress.say("guides help --preset best and fast; with this method a better guide may be better alone");
         }
         progress.say(&format!("guide {}: weight {mean_weight:.3} in the mean", self.file.display()));

@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use anyhow::Result;
-use reconstruct::{Fit, Method, MethodSettings};
+use reconstruct::MethodSettings;
 use stack::{FeatureStack, Size};
 
 use crate::failure::usage;
@@ -72,8 +72,7 @@ impl Plan {
         method: MethodSettings,
         output_needs_it: bool,
     ) -> Result<Self> {
-        let collaborative = method == MethodSettings { method: Method::Ours, fit: Fit::Collaborative };
-        if !collaborative {
+        if !method.is_collaborative() {
             let told = "--max-memory goes with --preset best and fast: other methods hold all they have at once";
             return if limit.is_some() { Err(usage(told)) } else { Ok(Self { free: false, rows: usize::MAX }) };
         }
@@ -131,9 +130,20 @@ impl Need {
 
 /// Memory of this machine, where the system tells.
 fn physical_memory() -> Option<u64> {
-    let told = std::fs::read_to_string("/proc/meminfo").ok()?;
-    let line = told.lines().find(|line| line.starts_with("MemTotal:"))?;
-    Some(line.split_whitespace().nth(1)?.parse::<u64>().ok()? * 1024)
+    told_in("/proc/meminfo", "MemTotal:")
+}
+
+/// Largest memory the process has held, where the system tells.
+pub fn peak_bytes() -> Option<u64> {
+    told_in("/proc/self/status", "VmHWM:")
+}
+
+/// Bytes that the line `key` of one of the system's lists tells, which are in kilobytes.
+fn told_in(list: &str, key: &str) -> Option<u64> {
+    let list = std::fs::read_to_string(list).ok()?;
+    let line = list.lines().find(|line| line.starts_with(key))?;
+    let kilobytes: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
+    Some(kilobytes * 1024)
 }
 
 #[cfg(test)]

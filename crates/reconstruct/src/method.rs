@@ -42,3 +42,10 @@ stack::knobs! {
         fit: Fit = Fit::Collaborative, ..;
     }
 }
+
+impl MethodSettings {
+    /// Whether it is ours by collaborative fits: what the presets `best` and `fast` are.
+    pub fn is_collaborative(&self) -> bool {
+        self.method == Method::Ours && self.fit == Fit::Collaborative
+    }
+}

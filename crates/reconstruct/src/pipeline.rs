@@ -8,7 +8,7 @@ use crate::best::{Chooser, Extras, GuideFeatures, Workshop};
 use crate::completion::{Completed, complete};
 use crate::components::{is_lit, sum_of_components, variance_of};
 use crate::emission::{rebuild_emission, with_emission_apart};
-use crate::method::{Fit, Method, MethodSettings};
+use crate::method::Method;
 use crate::network::WeightsError;
 use crate::prefilter::{FeatureSet, prefilter};
 use crate::reconstruction::{ReconstructError, Reconstruction};
@@ -40,7 +40,7 @@ pub fn reconstruct_with(
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
     let Completed { stack, lacks } = complete(stack, &settings.completion, monitor)?;
-    let rebuilt = if is_collaborative(settings) {
+    let rebuilt = if settings.method.is_collaborative() {
         collaborative(&stack, settings, chooser(settings)?.as_ref(), extras, monitor)?
     } else if extras.passes.is_empty() {
         by_method(&stack, settings, monitor)?
@@ -48,10 +48,6 @@ pub fn reconstruct_with(
         return Err(ReconstructError::NoPasses);
     };
     Ok(Reconstruction { lacks, ..rebuilt })
-}
-
-fn is_collaborative(settings: &Settings) -> bool {
-    settings.method == MethodSettings { method: Method::Ours, fit: Fit::Collaborative }
 }
 
 fn by_method(
@@ -81,7 +77,7 @@ pub fn reconstruct_freeing(
     extras: Extras,
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
-    if !is_collaborative(settings) {
+    if !settings.method.is_collaborative() {
         return reconstruct_with(stack, settings, extras, monitor);
     }
     let Completed { stack: completed, lacks } = complete(stack, &settings.completion, monitor)?;

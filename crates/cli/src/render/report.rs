@@ -5,6 +5,7 @@ use serde_json::{Map, Value, json};
 use stack::Image;
 
 use super::{Finished, Plan};
+use crate::memory;
 use crate::output::{Outputs, Written};
 use crate::progress::Progress;
 
@@ -55,7 +56,7 @@ pub fn render(
         "estimated_rmse": estimated_rmse(written),
         "energy": energy(mean_radiance(&written.stack.beauty()), written.picture),
         "iterations": iterations,
-        "peak_bytes": peak_bytes(),
+        "peak_bytes": memory::peak_bytes(),
         "seed": plan.settings.trace.seed,
         "preset": plan.preset,
         "settings": plan.settings.to_json(),
@@ -82,12 +83,4 @@ pub fn energy(noisy: f64, result: &Image) -> Value {
 pub fn mean_radiance(image: &Image) -> f64 {
     let sum: f64 = image.channels().iter().flatten().map(|v| f64::from(*v)).sum();
     sum / (3 * image.pixels()) as f64
-}
-
-/// Largest memory the process has held, where the system tells.
-pub fn peak_bytes() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
-    let kilobytes: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
-    Some(kilobytes * 1024)
 }

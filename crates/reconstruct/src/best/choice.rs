@@ -21,6 +21,7 @@ use super::settings::ChoiceSettings;
 use super::split::Layers;
 use crate::bands::{bands, image_rows};
 use crate::box_filter::box_mean;
+use crate::network::lanes_of;
 pub use chooser::Chooser;
 use chooser::softmax;
 pub use evidence::CANDIDATES;
@@ -121,13 +122,8 @@ impl Judge for Learned<'_> {
 /// A plane of weights for every candidate.
 fn weigh(contest: &Contest, judge: &impl Judge) -> Vec<Vec<f32>> {
     let pixels = contest.pilot.pixels();
-    let blocks: Vec<[Lanes; CANDIDATES]> = (0..pixels.div_ceil(LANES))
-        .into_par_iter()
-        .map(|block| {
-            let pixels = std::array::from_fn(|lane| (block * LANES + lane).min(pixels - 1));
-            pulp::Arch::new().dispatch(BlockTask { pixels, judge })
-        })
-        .collect();
+    let weighed = |pixels| pulp::Arch::new().dispatch(BlockTask { pixels, judge });
+    let blocks: Vec<[Lanes; CANDIDATES]> = lanes_of(pixels).map(weighed).collect();
     let plane = |k: usize| blocks.iter().flat_map(|block| block[k]).take(pixels).collect();
     (0..CANDIDATES).map(plane).collect()
 }

@@ -93,34 +93,39 @@ impl Workshop<'_> {
         let (size, period) = (piloted.pilot.size(), period(fit.stride));
         let margin = (second_pass::reach(fit) + choice::REACH).next_multiple_of(period);
         let rows = self.extras.rows.clamp(1, size.height.max(1)).next_multiple_of(period);
-        let mut whole: Vec<Image> = (0..2 + piloted.passes.len()).map(|_| Image::zeros(size, 3)).collect();
+        let black = || Image::zeros(size, 3);
+        let mut halves = [black(), black()];
+        let mut passes: Vec<Image> = piloted.passes.iter().map(|_| black()).collect();
         for band in bands(size.height, rows, margin) {
             let part = match band.is_whole(size.height) {
                 true => Cow::Borrowed(piloted),
                 false => Cow::Owned(piloted.rows(&band.around)),
             };
-            let made = self.second_half_at_once(&part, monitor)?;
-            made.iter().zip(&mut whole).for_each(|(made, whole)| band.put(made, whole));
+            let (some_halves, some_passes) = self.second_half_at_once(&part, monitor)?;
+            let made = some_halves.iter().chain(&some_passes);
+            made.zip(halves.iter_mut().chain(&mut passes)).for_each(|(made, whole)| band.put(made, whole));
         }
-        let passes = whole.split_off(2);
-        let mut halves = whole.into_iter();
-        Ok(([0, 1].map(|_| halves.next().unwrap_or_else(|| Image::zeros(size, 3))), passes))
+        Ok((halves, passes))
     }
 
-    /// Both halves of the low layer, then the passes.
-    fn second_half_at_once(&self, piloted: &Piloted, monitor: &dyn Monitor) -> Result<Vec<Image>, Cancelled> {
+    fn second_half_at_once(
+        &self,
+        piloted: &Piloted,
+        monitor: &dyn Monitor,
+    ) -> Result<([Image; 2], Vec<Image>), Cancelled> {
         let fit = &self.settings.regression;
         let candidates = piloted.candidates(&piloted.layers.halves, &piloted.first, fit, monitor)?;
         monitor.begin("choice", 1);
         let weights = choice::weights(&piloted.contest(&candidates), &self.settings.choice, self.chooser);
-        let mut made = mixtures(&candidates, weights.channels()).to_vec();
+        let halves = mixtures(&candidates, weights.channels());
         drop(candidates);
+        let mut passes = Vec::new();
         for pair in piloted.passes.chunks(2) {
             let both = [&pair[0], pair.last().unwrap_or(&pair[0])];
             let (low, first) = (both.map(|pass| pass.low.clone()), both.map(|pass| pass.first.clone()));
             let candidates = piloted.candidates(&low, &first, fit, monitor)?;
-            made.extend(mixtures(&candidates, weights.channels()).into_iter().take(pair.len()));
+            passes.extend(mixtures(&candidates, weights.channels()).into_iter().take(pair.len()));
         }
-        Ok(made)
+        Ok((halves, passes))
     }
 }

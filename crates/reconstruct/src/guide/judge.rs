@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::inputs::{INPUTS, Inputs};
 use crate::exp::exp_of_negative;
-use crate::network::{tanh, weighted_sum};
+use crate::network::{lanes_of, tanh, weighted_sum};
 
 /// Nodes of the hidden layer.
 pub const HIDDEN: usize = 24;
@@ -35,13 +35,8 @@ impl Judge {
     /// The weight of the guide at every pixel, 0 to 1: the logistic function of b + Σ w h, h = tanh(b + Σ w x).
     pub fn weights(&self, inputs: &Inputs) -> Vec<f32> {
         let pixels = inputs.pixels();
-        let blocks: Vec<Lanes> = (0..pixels.div_ceil(LANES))
-            .into_par_iter()
-            .map(|block| {
-                let at = std::array::from_fn(|lane| (block * LANES + lane).min(pixels - 1));
-                pulp::Arch::new().dispatch(BlockTask { judge: self, inputs, at })
-            })
-            .collect();
+        let weighed = |at| pulp::Arch::new().dispatch(BlockTask { judge: self, inputs, at });
+        let blocks: Vec<Lanes> = lanes_of(pixels).map(weighed).collect();
         blocks.into_iter().flatten().take(pixels).collect()
     }
 

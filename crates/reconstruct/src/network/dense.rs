@@ -1,6 +1,15 @@
 //! Nodes of a dense layer for `L` pixels (lanes) at once, and the way back. With one lane it is a plain node.
 
+use rayon::prelude::*;
+
 use crate::exp::exp_of_negative;
+
+/// All of so many `pixels`, `L` at a time; the last is repeated where they do not fill the last lanes.
+pub fn lanes_of<const L: usize>(pixels: usize) -> impl IndexedParallelIterator<Item = [usize; L]> {
+    (0..pixels.div_ceil(L))
+        .into_par_iter()
+        .map(move |block| std::array::from_fn(|lane| (block * L + lane).min(pixels - 1)))
+}
 
 /// `start` + Σ w x, added in the order of the inputs.
 #[inline(always)]
@@ -55,6 +64,12 @@ mod tests {
         add_products(&mut gradient, &[1.0, 1.0, 2.0, -1.0], &inputs);
         assert_eq!(gradient, [6.0, -2.5]);
         assert_eq!(sum_of_lanes([1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0]), 255.0);
+    }
+
+    #[test]
+    fn every_pixel_has_its_lane() {
+        assert_eq!(lanes_of::<4>(6).collect::<Vec<_>>(), [[0, 1, 2, 3], [4, 5, 5, 5]]);
+        assert_eq!(lanes_of::<4>(0).count(), 0);
     }
 
     #[test]

@@ -7,6 +7,6 @@ mod numbers;
 mod weights_file;
 
 pub use adam::Adam;
-pub use dense::{add_products, sum_of_lanes, tanh, weighted_sum};
+pub use dense::{add_products, lanes_of, sum_of_lanes, tanh, weighted_sum};
 pub use numbers::Numbers;
 pub use weights_file::{WeightsError, WeightsReader, write_line};

@@ -52,19 +52,21 @@ impl Pass {
     /// When there is none, or several.
     pub fn find(stack: &FeatureStack, name: &str) -> Result<Self, PassError> {
         let layers = layers_of(stack.passthrough.iter().map(|channel| channel.name.as_str()));
-        let passes: Vec<(LayerNames, [usize; 3])> =
-            layers.into_iter().filter_map(|layer| Some((layer.clone(), colours(stack, &layer)?))).collect();
-        let names = |passes: &[&(LayerNames, [usize; 3])]| passes.iter().map(|(layer, _)| layer.name.clone()).collect();
-        let whole = passes.iter().find(|(layer, _)| layer.name == name);
-        let alike: Vec<_> = passes.iter().filter(|(layer, _)| layer.key == normalise(name)).collect();
-        match (whole, &alike[..]) {
-            (Some((layer, channels)), _) | (None, [(layer, channels)]) => {
-                Ok(Self { name: layer.name.clone(), channels: *channels })
-            }
-            (None, []) => {
-                Err(PassError::Unknown { name: name.into(), passes: names(&passes.iter().collect::<Vec<_>>()) })
-            }
-            (None, several) => Err(PassError::Ambiguous { name: name.into(), passes: names(several) }),
+        let of_layer = |layer: LayerNames| {
+            let channels = colours(stack, &layer)?;
+            Some((layer.key, Self { name: layer.name, channels }))
+        };
+        let passes: Vec<(String, Self)> = layers.into_iter().filter_map(of_layer).collect();
+        if let Some((_, whole)) = passes.iter().find(|(_, pass)| pass.name == name) {
+            return Ok(whole.clone());
+        }
+        let alike: Vec<&Self> =
+            passes.iter().filter(|(key, _)| *key == normalise(name)).map(|(_, pass)| pass).collect();
+        let name = name.to_string();
+        match alike[..] {
+            [one] => Ok(one.clone()),
+            [] => Err(PassError::Unknown { name, passes: passes.into_iter().map(|(_, pass)| pass.name).collect() }),
+            _ => Err(PassError::Ambiguous { name, passes: alike.iter().map(|pass| pass.name.clone()).collect() }),
         }
     }
 

@@ -8,6 +8,7 @@ use std::sync::LazyLock;
 
 use glam::{Vec2, Vec3};
 
+use super::albedo_grid;
 use super::fresnel::schlick_weight;
 use super::ggx::{Ggx, Reflection};
 
@@ -24,7 +25,7 @@ type Split = Vec2;
 type Row = [Split; COSINES + 1];
 
 static TABLE: LazyLock<Vec<Row>> =
-    LazyLock::new(|| (0..ROUGHNESSES).map(|i| tabulate(place(i, ROUGHNESSES).powi(3).max(1e-4))).collect());
+    LazyLock::new(|| (0..ROUGHNESSES).map(|i| tabulate(albedo_grid::roughness(i, ROUGHNESSES))).collect());
 
 /// The albedo of a coat of one roughness.
 #[derive(Clone, Copy, Debug)]
@@ -36,7 +37,7 @@ pub(super) struct CoatAlbedo {
 
 /// The albedo of a coat with GGX roughness `alpha`, 0 … 1.
 pub(super) fn at_roughness(alpha: f32) -> CoatAlbedo {
-    let (row, blend) = locate(alpha.cbrt(), ROUGHNESSES);
+    let (row, blend) = albedo_grid::locate_roughness(alpha, ROUGHNESSES);
     CoatAlbedo { row, blend }
 }
 
@@ -45,7 +46,7 @@ impl CoatAlbedo {
     /// `specular` at normal incidence.
     #[inline]
     pub(super) fn directional(&self, specular: Vec3, cosine: f32) -> Vec3 {
-        let (column, blend) = locate(cosine.sqrt().sqrt(), COSINES);
+        let (column, blend) = albedo_grid::locate_cosine(cosine, COSINES);
         self.blended(specular, |row| row[column].lerp(row[column + 1], blend))
     }
 
@@ -63,23 +64,10 @@ impl CoatAlbedo {
     }
 }
 
-/// The `i`-th of `n` even places of 0 … 1.
-fn place(i: usize, n: usize) -> f32 {
-    i as f32 / (n - 1) as f32
-}
-
-/// The place before `x` among `n` even ones, and the share of the one after it.
-#[inline]
-fn locate(x: f32, n: usize) -> (usize, f32) {
-    let at = x.clamp(0.0, 1.0) * (n - 1) as f32;
-    let before = (at as usize).min(n - 2);
-    (before, at - before as f32)
-}
-
 fn tabulate(alpha: f32) -> Row {
     let mut row = [Split::ZERO; COSINES + 1];
     for (i, entry) in row[..COSINES].iter_mut().enumerate() {
-        *entry = integrate(alpha, place(i, COSINES).powi(4).max(1e-6), SAMPLES);
+        *entry = integrate(alpha, albedo_grid::cosine(i, COSINES), SAMPLES);
     }
     row[COSINES] = mean_of(&row);
     row

@@ -3,6 +3,7 @@
 
 use glam::{Vec2, Vec3};
 
+use super::albedo_grid;
 use super::fresnel;
 use super::ggx::Ggx;
 
@@ -27,18 +28,18 @@ impl FacetAlbedo {
     /// For GGX roughness `alpha`; for every roughness when that is `None`. `kept` tells what of the light that one facet
     /// sends towards the viewer leaves the surface.
     fn new(alpha: Option<f32>, kept: impl Fn(Ggx, Vec3, Vec3) -> f32) -> Self {
-        let tabulated = |i: usize| place(i, ROUGHNESSES).powi(3).max(1e-4);
-        let all = || (0..ROUGHNESSES).map(|i| tabulate(tabulated(i), SAMPLES[1], &kept)).collect();
+        let row = |i: usize| tabulate(albedo_grid::roughness(i, ROUGHNESSES), SAMPLES[1], &kept);
+        let all = || (0..ROUGHNESSES).map(row).collect();
         Self { rows: alpha.map_or_else(all, |alpha| vec![tabulate(alpha, SAMPLES[0], &kept)]) }
     }
 
     fn directional(&self, alpha: f32, cosine: f32) -> f32 {
-        let (column, along) = locate(cosine.sqrt().sqrt(), COSINES);
+        let (column, along) = albedo_grid::locate_cosine(cosine, COSINES);
         let of_row = |row: &Row| blend(row[column], row[column + 1], along);
         match &self.rows[..] {
             [only] => of_row(only),
             rows => {
-                let (row, beside) = locate(alpha.cbrt(), rows.len());
+                let (row, beside) = albedo_grid::locate_roughness(alpha, rows.len());
                 blend(of_row(&rows[row]), of_row(&rows[row + 1]), beside)
             }
         }
@@ -84,21 +85,7 @@ impl GlassAlbedo {
 }
 
 fn tabulate(alpha: f32, samples: usize, kept: impl Fn(Ggx, Vec3, Vec3) -> f32) -> Row {
-    let cosine = |i: usize| place(i, COSINES).powi(4).max(1e-6);
-    std::array::from_fn(|i| integrate(alpha, cosine(i), samples, &kept))
-}
-
-/// The `i`-th of `n` even places of 0 … 1.
-fn place(i: usize, n: usize) -> f32 {
-    i as f32 / (n - 1) as f32
-}
-
-/// The place before `x` among `n` even ones, and the share of the one after it.
-#[inline]
-fn locate(x: f32, n: usize) -> (usize, f32) {
-    let at = x.clamp(0.0, 1.0) * (n - 1) as f32;
-    let before = (at as usize).min(n - 2);
-    (before, at - before as f32)
+    std::array::from_fn(|i| integrate(alpha, albedo_grid::cosine(i, COSINES), samples, &kept))
 }
 
 #[inline]

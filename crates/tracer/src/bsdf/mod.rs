@@ -6,6 +6,7 @@
 //! Values are radiometric: `evaluate` is f·|cos θ| of the incoming direction, `weight` of a sample is f·|cos θ| ÷ pdf.
 //! Light is followed backwards (radiance, not importance), so crossing into an index η scales radiance by 1/η².
 
+mod albedo_grid;
 mod coat_albedo;
 mod coated;
 mod conductor;

@@ -51,24 +51,17 @@ impl Scene {
     #[inline]
     fn closest_in(&self, placed: usize, ray: &Ray, sheared: &ShearedRay, t_max: f32) -> Option<TriangleHit> {
         let stand = &self.placed[placed];
-        let moved = stand.moving.as_ref().map(|moving| moving.at(ray.time));
-        let (mesh, placement) = (&self.meshes[stand.mesh], moved.as_ref().or(stand.placement.as_ref()));
-        let tree = mesh.tree.as_ref()?;
-        if mesh.is_cut_out {
-            return tree.closest(ray, sheared, placement, t_max, |hit| self.is_there(placed, ray, hit));
-        }
-        tree.closest(ray, sheared, placement, t_max, |_| true)
+        let (mesh, placement) = (&self.meshes[stand.mesh], stand.at(ray.time));
+        let counts = |hit: &TriangleHit| !mesh.is_cut_out || self.is_there(placed, ray, hit);
+        mesh.tree.as_ref()?.closest(ray, sheared, placement.as_deref(), t_max, counts)
     }
 
     #[inline]
     fn occludes(&self, placed: usize, ray: &Ray, sheared: &ShearedRay) -> bool {
         let stand = &self.placed[placed];
-        let moved = stand.moving.as_ref().map(|moving| moving.at(ray.time));
-        let (mesh, placement) = (&self.meshes[stand.mesh], moved.as_ref().or(stand.placement.as_ref()));
-        let Some(tree) = &mesh.tree else { return false };
-        if mesh.is_cut_out {
-            return tree.occluded(ray, sheared, placement, ray.t_max, |hit| self.is_there(placed, ray, hit));
-        }
-        tree.occluded(ray, sheared, placement, ray.t_max, |_| true)
+        let (mesh, placement) = (&self.meshes[stand.mesh], stand.at(ray.time));
+        let counts = |hit: &TriangleHit| !mesh.is_cut_out || self.is_there(placed, ray, hit);
+        let tree = mesh.tree.as_ref();
+        tree.is_some_and(|tree| tree.occluded(ray, sheared, placement.as_deref(), ray.t_max, counts))
     }
 }

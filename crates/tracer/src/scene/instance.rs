@@ -1,5 +1,7 @@
 //! Meshes standing in the scene.
 
+use std::borrow::Cow;
+
 use glam::{DVec3, Vec3};
 
 use super::emitters::{EmissiveTriangle, emitters_of, ranks};
@@ -34,6 +36,13 @@ pub(super) struct Placed {
 }
 
 impl Placed {
+    /// Where it stands at `time`; `None` when the mesh is in scene space already.
+    #[inline]
+    pub(super) fn at(&self, time: f32) -> Option<Cow<'_, Placement>> {
+        let moved = self.moving.as_ref().map(|moving| Cow::Owned(moving.at(time)));
+        moved.or_else(|| self.placement.as_ref().map(Cow::Borrowed))
+    }
+
     /// Corners of a triangle, in scene space, with the mesh standing at `placement`.
     #[inline]
     pub(super) fn corners(mesh: &IndexedMesh, triangle: u32, placement: Option<&Placement>) -> [Vec3; 3] {

@@ -19,8 +19,8 @@ impl Scene {
         let placed = &self.placed[placed];
         let indexed = &self.meshes[placed.mesh];
         let mesh = &indexed.mesh;
-        let moved = placed.moving.as_ref().map(|moving| moving.at(ray.time));
-        let placement = moved.as_ref().or(placed.placement.as_ref());
+        let placement = placed.at(ray.time);
+        let placement = placement.as_deref();
         let corners = Placed::corners(indexed, hit.triangle, placement);
         let weighted: [Vec3; 3] = std::array::from_fn(|i| hit.barycentric[i] * corners[i]);
         let geometric_normal = placed.cross(corners).normalize().as_vec3();
