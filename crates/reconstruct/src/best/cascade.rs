@@ -10,7 +10,10 @@ use crate::per_pixel;
 /// How often the significance of a detail is smoothed: at its own scale, and at so many less one of the next.
 const SMOOTHINGS: usize = 3;
 
-/// Independent parts of a picture.
+/// Most parts that a picture comes in.
+pub const MOST_PARTS: usize = 8;
+
+/// Independent parts of a picture, at most [`MOST_PARTS`].
 pub struct Parts {
     images: Vec<Image>,
     /// The share of each in the mean of every pixel.
@@ -39,8 +42,10 @@ impl Parts {
 }
 
 /// Adds to `picture` what `parts` agree on and it lacks: the residual of each part, taken apart by `kernel` into
-/// details of growing scale. A detail d counts by (E\[d²\] − c E\[v\])/E\[d²\], v its variance between parts and c the
-/// significance; squares are relative to `brightness`; what is left at the coarsest scale counts in full. Never below zero. Reports the stage `cascade`.
+/// details of growing scale. A detail d counts by E\[s\]/E\[d²\]; s = d² − c v is its signal, v its variance between
+/// parts and c the significance. Squares are relative to `brightness`. Of more than two parts each is left out once, and
+/// the least signal counts: a firefly, which is in one part, is none. What is left at the coarsest scale counts in full.
+/// Never below zero. Reports the stage `cascade`.
 ///
 /// # Errors
 /// When `monitor` cancels.
@@ -53,14 +58,10 @@ pub fn add_significant_residual(
     monitor: &dyn Monitor,
 ) -> Result<(), Cancelled> {
     monitor.begin("cascade", settings.levels as u64);
-    let relative: Vec<f32> = (0..picture.pixels())
-        .map(|pixel| {
-            let luminance = brightness.mean_at(pixel);
-            1.0 / (luminance * luminance + 1e-2)
-        })
-        .collect();
-    let shares = parts.shares;
-    let mut residual = residuals(parts.images, picture);
+    let Parts { images, shares } = parts;
+    let significance = if shares.len() > 2 { settings.significance } else { settings.significance_of_two };
+    let parting = Parting { shares, relative: relative_to(brightness), significance };
+    let mut residual = residuals(images, picture);
     let mut found = vec![vec![0.0; picture.pixels()]; 3];
     let mut pending: Vec<Pending> = Vec::new();
     // A detail is smoothed at its own scale and along with the residual at the next two.
@@ -70,22 +71,24 @@ pub fn add_significant_residual(
         }
         let (step, last) = (1 << level, level >= settings.levels);
         let kept = if last { 0 } else { residual.len() };
-        let powers = pending.iter().flat_map(|pending| &pending.power);
+        let powers = pending.iter().flat_map(Pending::powers);
         let planes: Vec<&Vec<f32>> = residual[..kept].iter().chain(powers).collect();
         let mut smooth = kernel.smooth(&planes, step).into_iter();
         let coarse: Vec<Vec<f32>> = smooth.by_ref().take(kept).collect();
-        pending.iter_mut().for_each(|pending| pending.power = smooth.by_ref().take(2).collect());
+        pending.iter_mut().flat_map(Pending::powers_mut).zip(smooth).for_each(|(power, smooth)| *power = smooth);
         if level + 1 >= SMOOTHINGS && !pending.is_empty() {
-            pending.remove(0).add_significant(&mut found, settings.significance);
+            pending.remove(0).add_significant(&mut found);
         }
         if !last {
-            let mut detail = Pending::of(&residual, &coarse, &shares, &relative);
-            detail.power = kernel.smooth(&detail.power, step);
+            let mut detail = parting.detail(&residual, &coarse);
+            let powers = kernel.smooth(&detail.powers().collect::<Vec<_>>(), step);
+            detail.powers_mut().zip(powers).for_each(|(power, smooth)| *power = smooth);
             pending.push(detail);
             residual = coarse;
             monitor.advance(1);
         }
     }
+    let shares = &parting.shares;
     picture.channels_mut().par_iter_mut().zip(&found).enumerate().for_each(|(c, (plane, found))| {
         for (i, (value, found)) in plane.iter_mut().zip(found).enumerate() {
             let rest: f32 = shares.iter().enumerate().map(|(g, share)| share[i] * residual[3 * g + c][i]).sum();
@@ -93,6 +96,16 @@ pub fn add_significant_residual(
         }
     });
     Ok(())
+}
+
+/// One over the squared luminance of a picture.
+fn relative_to(brightness: &Image) -> Vec<f32> {
+    (0..brightness.pixels())
+        .map(|pixel| {
+            let luminance = brightness.mean_at(pixel);
+            1.0 / (luminance * luminance + 1e-2)
+        })
+        .collect()
 }
 
 /// The share of each group in the mean of every pixel.
@@ -112,41 +125,112 @@ fn residuals(mut groups: Vec<Image>, picture: &Image) -> Vec<Vec<f32>> {
     groups.into_iter().flat_map(Image::into_channels).collect()
 }
 
+/// How details are judged.
+struct Parting {
+    shares: Vec<Vec<f32>>,
+    /// What squares are multiplied by.
+    relative: Vec<f32>,
+    significance: f32,
+}
+
 /// One scale of the residual, whose significance is not known yet.
 struct Pending {
-    /// Mean over buckets, three planes.
+    /// Mean over parts, three planes.
     mean: Vec<Vec<f32>>,
-    /// Its square and its variance, relative, summed over channels, and smoothed as far as they are.
-    power: Vec<Vec<f32>>,
+    /// Its square, relative, summed over channels, and smoothed as far as it is.
+    square: Vec<f32>,
+    /// The same of the signal: once, or with each part left out.
+    signals: Vec<Vec<f32>>,
+}
+
+impl Parting {
+    /// What the residual `fine` has beyond `coarse`.
+    fn detail(&self, fine: &[Vec<f32>], coarse: &[Vec<f32>]) -> Pending {
+        let parts = self.shares.len();
+        let pixel = |pixel: usize| {
+            let share = |g: usize| self.shares[g][pixel];
+            let mut numbers = [0.0; 4 + MOST_PARTS];
+            for c in 0..3 {
+                let at = |g: usize| fine[3 * g + c][pixel] - coarse[3 * g + c][pixel];
+                let moments = |without: Option<usize>| -> Moments {
+                    (0..parts).filter(|g| Some(*g) != without).map(|g| Moments::of(share(g), at(g))).sum()
+                };
+                let all = moments(None);
+                numbers[c] = all.first;
+                numbers[3] += all.first * all.first;
+                match parts {
+                    ..=2 => numbers[4] += all.signal(self.significance),
+                    _ => (0..parts).for_each(|g| numbers[4 + g] += moments(Some(g)).signal(self.significance)),
+                }
+            }
+            numbers[3..].iter_mut().for_each(|square| *square *= self.relative[pixel]);
+            numbers
+        };
+        let mut planes = per_pixel::planes(self.relative.len(), pixel).into_iter();
+        Pending {
+            mean: planes.by_ref().take(3).collect(),
+            square: planes.next().unwrap_or_default(),
+            signals: planes.take(if parts > 2 { parts } else { 1 }).collect(),
+        }
+    }
+}
+
+/// Sums over parts.
+#[derive(Clone, Copy, Debug, Default)]
+struct Moments {
+    /// How many have samples.
+    filled: usize,
+    share: f32,
+    first: f32,
+    second: f32,
+}
+
+impl Moments {
+    fn of(share: f32, value: f32) -> Self {
+        Self { filled: usize::from(share > 0.0), share, first: share * value, second: share * value * value }
+    }
+
+    /// m² − c v of the mean m, whose variance is v and c the significance; 0 where one part says nothing of it.
+    fn signal(self, significance: f32) -> f32 {
+        if self.filled < 2 {
+            return 0.0;
+        }
+        let mean = self.first / self.share;
+        let variance = (self.second / self.share - mean * mean).max(0.0) / (self.filled - 1) as f32;
+        mean * mean - significance * variance
+    }
+}
+
+impl std::iter::Sum for Moments {
+    fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
+        all.fold(Self::default(), |a, b| Self {
+            filled: a.filled + b.filled,
+            share: a.share + b.share,
+            first: a.first + b.first,
+            second: a.second + b.second,
+        })
+    }
 }
 
 impl Pending {
-    fn of(fine: &[Vec<f32>], coarse: &[Vec<f32>], shares: &[Vec<f32>], relative: &[f32]) -> Self {
-        let pixel = |pixel: usize| {
-            let filled = shares.iter().filter(|share| share[pixel] > 0.0).count();
-            let scale = relative[pixel] / filled.saturating_sub(1).max(1) as f32;
-            let mut numbers = [0.0; 5];
-            for c in 0..3 {
-                let at = |g: usize| fine[3 * g + c][pixel] - coarse[3 * g + c][pixel];
-                let mean: f32 = shares.iter().enumerate().map(|(g, share)| share[pixel] * at(g)).sum();
-                let spread = |(g, share): (usize, &Vec<f32>)| share[pixel] * (at(g) - mean).powi(2);
-                numbers[c] = mean;
-                numbers[3] += relative[pixel] * mean * mean;
-                numbers[4] += scale * shares.iter().enumerate().map(spread).sum::<f32>();
-            }
-            numbers
-        };
-        let mut planes = per_pixel::planes(relative.len(), pixel).into_iter();
-        Self { mean: planes.by_ref().take(3).collect(), power: planes.collect() }
+    fn powers(&self) -> impl Iterator<Item = &Vec<f32>> {
+        std::iter::once(&self.square).chain(&self.signals)
+    }
+
+    fn powers_mut(&mut self) -> impl Iterator<Item = &mut Vec<f32>> {
+        std::iter::once(&mut self.square).chain(&mut self.signals)
     }
 
     /// Adds its significant part to `found`.
-    fn add_significant(self, found: &mut [Vec<f32>], significance: f32) {
-        let (squares, variances) = (&self.power[0], &self.power[1]);
-        found.par_iter_mut().zip(&self.mean).for_each(|(found, mean)| {
-            for (i, (found, mean)) in found.iter_mut().zip(mean).enumerate() {
-                *found += ((squares[i] - significance * variances[i]) / (squares[i] + 1e-20)).max(0.0) * mean;
-            }
+    fn add_significant(self, found: &mut [Vec<f32>]) {
+        let Self { mean, square, signals } = self;
+        let gain = |i: usize| {
+            let signal = signals.iter().map(|signal| signal[i]).fold(f32::INFINITY, f32::min);
+            (signal / (square[i] + 1e-20)).clamp(0.0, 1.0)
+        };
+        let gains: Vec<f32> = (0..square.len()).into_par_iter().map(gain).collect();
+        found.par_iter_mut().zip(&mean).for_each(|(found, mean)| {
+            found.iter_mut().zip(mean).zip(&gains).for_each(|((found, mean), gain)| *found += gain * mean);
         });
     }
 }

@@ -6,7 +6,7 @@ use std::ops::Range;
 use stack::{Cancelled, Component, FeatureStack, Image, Monitor, Noise, SampleCounts};
 
 use super::alone::split_alone;
-use super::cascade::{Parts, add_significant_residual};
+use super::cascade::{MOST_PARTS, Parts, add_significant_residual};
 use super::choice::Contest;
 use super::colour_guide::with_colour;
 use super::features::GuideFeatures;
@@ -21,9 +21,6 @@ use crate::bands::{image_rows, rows_of};
 use crate::box_filter::box_mean;
 use crate::reconstruction::ReconstructError;
 use crate::recorruption::evenly_recorrupted_halves;
-
-/// Groups that buckets are put together in for the cascade: fewer are less work and say less about the variance.
-const CASCADE_GROUPS: usize = 4;
 
 /// Everything up to the second pass.
 #[derive(Clone)]
@@ -147,7 +144,7 @@ fn parts_of(component: &Component, samples: &SampleCounts) -> Option<Parts> {
     let radiance = &component.radiance;
     match &radiance.noise {
         Noise::VarianceOfMean(variance) => Some(Parts::halves(evenly_recorrupted_halves(&radiance.mean, variance))),
-        _ => radiance.groups(samples, CASCADE_GROUPS).map(|groups| Parts::new(groups, samples)),
+        _ => radiance.groups(samples, MOST_PARTS).map(|groups| Parts::new(groups, samples)),
     }
 }
 

@@ -71,24 +71,26 @@ stack::knobs! {
     /// How events are spread.
     pub struct SpreadSettings("spread") {
         /// Events that an event's surroundings must hold before it is spread no wider.
-        events: f32 = 8.0, 1.0..=1000.0;
+        events: f32 = 4.0, 1.0..=1000.0;
         /// Weight of a difference in the logarithm of brightness against one in features.
-        brightness: f32 = 0.5, 0.0..=100.0;
+        brightness: f32 = 1.5, 0.0..=100.0;
         /// Scale of the differences between features that separate surfaces.
-        feature_scale: f32 = 0.3, 0.01..=10.0;
+        feature_scale: f32 = 0.8, 0.01..=10.0;
         /// Scales, each twice as coarse as the one before, on which blotches of spread events are kept only where both
         /// halves show them.
         levels: usize = 6, 0..=10;
         /// Multiple of a blotch's variance that its square must exceed.
-        significance: f32 = 2.0, 0.0..=1000.0;
+        significance: f32 = 1.5, 0.0..=1000.0;
     }
 }
 
 stack::knobs! {
     /// What is added to the pilot picture from the residual.
     pub struct CascadeSettings("cascade") {
-        /// Multiple of the residual's variance that its square must exceed.
-        significance: f32 = 2.0, 0.0..=1000.0;
+        /// Multiple of the residual's variance that its square must exceed, whichever bucket is left out.
+        significance: f32 = 1.0, 0.0..=1000.0;
+        /// The same where there are but two halves, of which none can be left out.
+        significance_of_two: f32 = 2.0, 0.0..=1000.0;
         /// Scales, each twice as coarse as the one before.
         levels: usize = 6, 0..=10;
         /// Scale of the differences between features that separate surfaces.

@@ -19,7 +19,11 @@ fn noisy(truth: &Image, deviation: f32, seed: u64) -> Component {
 }
 
 fn added(picture: &Image, component: &Component, settings: &CascadeSettings) -> Image {
-    let parts = Parts::new(component.radiance.groups(&counts(), 4).unwrap(), &counts());
+    let parts = Parts::new(component.radiance.groups(&counts(), 8).unwrap(), &counts());
+    added_parts(picture, parts, settings)
+}
+
+fn added_parts(picture: &Image, parts: Parts, settings: &CascadeSettings) -> Image {
     let kernel = GuidedKernel::surfaces(&two_halves(SIZE), settings.feature_scale);
     let mut added = picture.clone();
     add_significant_residual(&mut added, parts, picture, &kernel, settings, &Silent).unwrap();
@@ -57,12 +61,28 @@ fn all_of_the_residual_is_the_noisy_mean() {
     let truth = flat(SIZE, 1.0);
     let component = noisy(&truth, 0.1, 123);
     let without_scales = CascadeSettings { levels: 0, ..CascadeSettings::default() };
-    let all_significant = CascadeSettings { significance: 0.0, ..CascadeSettings::default() };
-    for settings in [without_scales, all_significant] {
-        let after = added(&image(SIZE, |x, _, _| 0.02 * x as f32), &component, &settings);
+    let all_significant = CascadeSettings { significance_of_two: 0.0, ..CascadeSettings::default() };
+    for (groups, settings) in [(8, without_scales), (2, all_significant)] {
+        let parts = Parts::new(component.radiance.groups(&counts(), groups).unwrap(), &counts());
+        let after = added_parts(&image(SIZE, |x, _, _| 0.02 * x as f32), parts, &settings);
         let pairs = after.channels().iter().flatten().zip(component.radiance.mean.channels().iter().flatten());
         pairs.for_each(|(a, b)| assert!((a - b).abs() < 1e-3, "{a} {b} with {settings:?}"));
     }
+}
+
+#[test]
+fn a_firefly_is_no_detail_but_light_in_two_buckets_is() {
+    let spot = SIZE.index(20, 20);
+    // Details alone: no scale is left that counts in full.
+    let settings = CascadeSettings { levels: 2, ..CascadeSettings::default() };
+    let found = |bright: &[usize]| {
+        let of_bucket = |b: usize| image(SIZE, |x, y, _| if (x, y) == (20, 20) && bright.contains(&b) { 40.0 } else { 1.0 });
+        let parts = Parts::new((0..8).map(of_bucket).collect(), &counts());
+        added_parts(&flat(SIZE, 1.0), parts, &settings).rgb(spot)[0] - 1.0
+    };
+    let [one, two, all] = [&[3][..], &[3, 6], &[0, 1, 2, 3, 4, 5, 6, 7]].map(found);
+    assert!(one < 0.1 * 39.0 / 8.0, "{one}");
+    assert!(two > one && all > 0.8 * 39.0, "{one} {two} {all}");
 }
 
 #[test]
