@@ -104,11 +104,11 @@ stack::knobs! {
         /// Widenings of the kernel, each by a factor of two; 0 gives nothing back.
         levels: usize = 5, 0..=10;
         /// Largest factor by which a pixel may change, up or down.
-        limit: f32 = 1.2, 1.0..=100.0;
+        limit: f32 = 1.25, 1.0..=100.0;
         /// Scale of the differences between features that separate surfaces.
         feature_scale: f32 = 0.3, 0.01..=10.0;
         /// Weight of a squared difference in the logarithm of the picture against one in features.
-        brightness: f32 = 0.2, 0.0..=100.0;
+        brightness: f32 = 0.3, 0.0..=100.0;
     }
 }
 
