@@ -15,7 +15,7 @@ use glam::{Vec2, Vec3};
 use light_bounds::LightBounds;
 use normal_cone::NormalCone;
 use sky::Sky;
-use tree::LightTree;
+pub(crate) use tree::LightTree;
 
 use crate::Ray;
 use crate::interaction::Interaction;
@@ -53,7 +53,7 @@ pub struct LightSample {
 #[derive(Debug)]
 pub struct Lights<'a> {
     scene: &'a Scene,
-    lamps: LightTree,
+    lamps: &'a LightTree,
     sky: Option<Sky<'a>>,
     /// Of 2³² choices, those that take the sky.
     sky_choices: u64,
@@ -63,7 +63,8 @@ impl<'a> Lights<'a> {
     /// The lights of `scene`. A triangle's power is π A L; the sky's is what falls on a sphere round the scene from
     /// outside, 4π² r² L, L being its mean.
     pub fn new(scene: &'a Scene) -> Self {
-        let lamps = LightTree::new(&(0..scene.emitters.len()).map(|i| lamp(scene, i)).collect::<Vec<_>>());
+        let of_scene = || LightTree::new(&(0..scene.emitters.len()).map(|i| lamp(scene, i)).collect::<Vec<_>>());
+        let lamps = scene.light_tree.get_or_init(of_scene);
         let sky = scene.environment.as_ref().map(|environment| Sky { environment });
         let radius = f64::from(scene.bounds().max.distance(scene.bounds().min)) / 2.0;
         let sky_power =

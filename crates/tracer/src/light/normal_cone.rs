@@ -11,12 +11,17 @@ pub(super) struct NormalCone {
     axis: DVec3,
     /// Radians, 0 … π.
     spread: f64,
+    cos_spread: f64,
 }
 
 impl NormalCone {
     /// The cone of `spread` radians round the unit vector `axis`.
     pub(super) fn new(axis: Vec3, spread: f64) -> Self {
-        Self { axis: axis.as_dvec3(), spread: spread.min(PI) }
+        Self::round(axis.as_dvec3(), spread.min(PI))
+    }
+
+    fn round(axis: DVec3, spread: f64) -> Self {
+        Self { axis, spread, cos_spread: spread.cos() }
     }
 
     /// Its axis, a unit vector.
@@ -31,6 +36,9 @@ impl NormalCone {
 
     /// A cone that holds both, as narrow as cones of one axis between theirs can be.
     pub(super) fn union(self, other: Self) -> Self {
+        if other.spread == 0.0 && self.axis.dot(other.axis) >= self.cos_spread {
+            return self;
+        }
         let between = self.axis.angle_between(other.axis);
         if between + other.spread <= self.spread {
             return self;
@@ -42,11 +50,11 @@ impl NormalCone {
         match self.axis.cross(other.axis).try_normalize() {
             Some(across) if spread < PI => {
                 let turn = DQuat::from_axis_angle(across, spread - self.spread);
-                Self { axis: (turn * self.axis).normalize(), spread }
+                Self::round((turn * self.axis).normalize(), spread)
             }
             // Parallel axes, which rounding alone keeps apart; else opposite ones.
-            None if between < FRAC_PI_2 => Self { spread: self.spread.max(other.spread), ..self },
-            _ => Self { spread: PI, ..self },
+            None if between < FRAC_PI_2 => Self::round(self.axis, self.spread.max(other.spread)),
+            _ => Self::round(self.axis, PI),
         }
     }
 

@@ -70,6 +70,9 @@ impl Part {
 
 /// Splits a part, and the dearest of what comes of it again, until there is one for each lane or nothing to split.
 fn split_into_lanes(members: &mut [Member], part: Part) -> Vec<Part> {
+    if part.range.len() <= LANES {
+        return part.range.filter_map(|i| Part::of(members, i..i + 1)).collect();
+    }
     let mut parts = vec![part];
     while parts.len() < LANES {
         let several = (0..parts.len()).filter(|&i| parts[i].range.len() > 1);
@@ -106,17 +109,24 @@ struct Cut {
 /// All cuts along an axis that leave something on either side.
 fn cuts_along(members: &[Member], axis: usize) -> Vec<Cut> {
     let buckets = Buckets::along(axis, members);
-    let mut clusters = [None; BUCKETS];
+    let mut lights = [None; BUCKETS];
     for member in members {
-        let cluster = &mut clusters[buckets.bucket_of(member)];
-        *cluster = either(*cluster, Some(member.lamp));
+        let lights = &mut lights[buckets.bucket_of(member)];
+        *lights = either(*lights, Some(member.lamp));
     }
-    let cost_of = |clusters: &[Option<LightBounds>]| clusters.iter().copied().fold(None, either).map(|c| c.cost());
-    let cut = |bucket: usize| {
-        let cost = cost_of(&clusters[..bucket])? + cost_of(&clusters[bucket..])?;
-        Some(Cut { axis, bucket, cost })
-    };
-    (1..BUCKETS).filter_map(cut).collect()
+    let mut beyond = lights;
+    for bucket in (1..BUCKETS).rev() {
+        beyond[bucket - 1] = either(beyond[bucket], lights[bucket - 1]);
+    }
+    let (mut cuts, mut before) = (vec![], lights[0]);
+    for bucket in 1..BUCKETS {
+        // Beside an empty bucket is the same cut again.
+        if let (Some(before), Some(_), Some(beyond)) = (before, lights[bucket], beyond[bucket]) {
+            cuts.push(Cut { axis, bucket, cost: before.cost() + beyond.cost() });
+        }
+        before = either(before, lights[bucket]);
+    }
+    cuts
 }
 
 fn either(a: Option<LightBounds>, b: Option<LightBounds>) -> Option<LightBounds> {

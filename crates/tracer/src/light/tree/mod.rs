@@ -16,7 +16,7 @@ use super::light_bounds::LightBounds;
 
 /// A tree over lamps.
 #[derive(Debug, Default)]
-pub(super) struct LightTree {
+pub(crate) struct LightTree {
     /// The root first; none when nothing shines.
     nodes: Vec<Node>,
     /// Where each lamp is: number of the node × [`LANES`] + lane; [`NOWHERE`] for one without power.
