@@ -98,7 +98,8 @@ impl Node {
     ///
     /// The greatest cosine within a cone of half angle β round a direction at the angle α is cos max(0, α − β) (pbrt-v4,
     /// section 12.6.3). In its place stands min(1, cos α + sin β): it is 0 for the same α, as good for small β, and needs no
-    /// other sines and cosines.
+    /// other sines and cosines. For a cone round the directions of another one the sines are added, which is never less than
+    /// the sine of both angles.
     #[inline]
     fn sent(&self, position: Vec3, receiver: &Receiver) -> [f32; LANES] {
         let mut sent = [0.0; LANES];

@@ -206,9 +206,8 @@ pub(super) fn find_out_of_range(text: &str, before: Counts, total: Counts) -> Op
 
 /// Lines of `text` as [`logical_lines`] counts them; a carriage return alone ends one, too.
 fn physical_lines(text: &str) -> usize {
-    let bytes = text.as_bytes();
-    let ends = |i: usize| bytes[i] == b'\n' || (bytes[i] == b'\r' && bytes.get(i + 1) != Some(&b'\n'));
-    (0..bytes.len()).filter(|&i| ends(i)).count()
+    let returns = |text: &str| text.split('\r').skip(1).filter(|after| !after.starts_with('\n')).count();
+    text.bytes().filter(|byte| *byte == b'\n').count() + returns(text)
 }
 
 fn split_key(statement: &str) -> (&str, &str) {
