@@ -1,9 +1,11 @@
 //! Rays a second on one thread: the closest hit, and whether there is one at all, for the same random rays from inside
-//! the scene. `Melem/s` are millions of rays a second.
+//! the scene. `Melem/s` are millions of rays a second. `TAMIS_BENCH_SCENE` may name a scene to measure in place of all others
+//! (`scripts/compare_speed.py` does).
 
 mod support;
 
 use std::hint::black_box;
+use std::path::Path;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use glam::Vec3;
@@ -21,6 +23,9 @@ const OPTIONAL: [(&str, &str); 2] = [
     ("conference", "../shared/scenes/conference/conference.obj"),
     ("sponza", "../shared/scenes/sponza-dabrovic/sponza.obj"),
 ];
+
+/// Names the scene that is measured in place of all others.
+const SCENE: &str = "TAMIS_BENCH_SCENE";
 
 /// Small triangles in every direction all over a cube: nothing a hierarchy could exploit.
 fn soup() -> Scene {
@@ -57,6 +62,12 @@ fn measure(criterion: &mut Criterion, name: &str, scene: &Scene) {
 }
 
 fn rays(criterion: &mut Criterion) {
+    if let Ok(path) = std::env::var(SCENE) {
+        let loaded = load(Path::new(&path)).unwrap_or_else(|error| panic!("{SCENE}: {error}"));
+        eprintln!("{} triangles, tree built in {} s", loaded.triangles, loaded.build_seconds);
+        measure(criterion, "given", &loaded.scene);
+        return;
+    }
     let study = load(&support::file("scenes/study.obj")).expect("the study scene is part of the repository");
     measure(criterion, "study", &study.scene);
     measure(criterion, "soup", &soup());

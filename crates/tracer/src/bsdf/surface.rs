@@ -33,6 +33,7 @@ pub struct DirectionSample {
 /// lose what would leak.
 #[derive(Clone, Copy, Debug)]
 pub struct Bsdf {
+    position: Vec3,
     frame: Frame,
     /// On the viewer's side.
     geometric_normal: Vec3,
@@ -54,7 +55,7 @@ impl Bsdf {
         let frame = Frame::new(normal);
         let local_outgoing = above(frame.to_local(outgoing));
         let (lobe, albedo) = lobe_at(interaction, outside, local_outgoing.z);
-        Self { frame, geometric_normal, outgoing, local_outgoing, lobe, albedo }
+        Self { position: interaction.position, frame, geometric_normal, outgoing, local_outgoing, lobe, albedo }
     }
 
     /// Whether it scatters into single directions only: a perfect mirror or clear glass.
@@ -82,10 +83,10 @@ impl Bsdf {
         self.lobe.is_two_sided()
     }
 
-    /// Where it looks for light.
+    /// Where it is and where it looks for light.
     #[inline]
     pub fn receiver(&self) -> Receiver {
-        Receiver { normal: self.normal(), two_sided: self.is_two_sided() }
+        Receiver { position: self.position, normal: self.normal(), two_sided: self.is_two_sided() }
     }
 
     /// Whether light from `direction` can be scattered to the viewer: from above both horizons, the shading and the

@@ -35,6 +35,32 @@ impl WideBvh {
         Some((Self { nodes, root, stack_needed: (LANES - 1) * depth + 1, bounds }, collapse.leaves))
     }
 
+    /// Trees that are joined under one over their boxes, each with the number that its first leaf gets. `None` when there
+    /// are none.
+    pub(super) fn join(mut trees: Vec<(Self, usize)>) -> Option<Self> {
+        if trees.len() < 2 {
+            return trees.pop().map(|(tree, _)| tree);
+        }
+        let boxes: Vec<Bounds> = trees.iter().map(|(tree, _)| tree.bounds).collect();
+        let (mut joined, leaves) = Self::build(&boxes, 1)?;
+        joined.stack_needed += trees.iter().map(|(tree, _)| tree.stack_needed).max()?;
+        let (above, mut roots) = (joined.nodes.len(), vec![]);
+        for (mut tree, first_leaf) in trees {
+            let before = joined.nodes.len();
+            let moved = |link: Link| match link.is_leaf() {
+                true => Link::leaf(link.index() + first_leaf),
+                false => Link::node(link.index() + before),
+            };
+            roots.push(moved(tree.root));
+            tree.nodes.iter_mut().for_each(|node| node.relink(moved));
+            joined.nodes.append(&mut tree.nodes);
+        }
+        let below = |link: Link| if link.is_leaf() { roots[leaves[link.index()][0] as usize] } else { link };
+        joined.nodes[..above].iter_mut().for_each(|node| node.relink(below));
+        joined.root = below(joined.root);
+        Some(joined)
+    }
+
     /// The box round everything.
     pub fn bounds(&self) -> &Bounds {
         &self.bounds

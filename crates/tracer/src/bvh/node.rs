@@ -56,6 +56,11 @@ impl WideNode {
         self.links[lane] = link;
     }
 
+    /// Lets every lane lead to where `moved` says instead.
+    pub(super) fn relink(&mut self, moved: impl Fn(Link) -> Link) {
+        self.links = self.links.map(moved);
+    }
+
     /// Where `lane` leads.
     #[inline]
     pub(super) fn link(&self, lane: usize) -> Link {

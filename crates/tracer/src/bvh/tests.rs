@@ -76,6 +76,23 @@ fn random_triangles_of_any_scale_are_hit_as_by_brute_force() {
 }
 
 #[test]
+fn a_tree_built_in_chunks_finds_the_same() {
+    let mut random = Random(7);
+    for (count, size) in [(1, 1), (2, 1), (90, 3), (700, 64), (700, 700)] {
+        let triangles = soup(count, 0.3, 1.0, &mut random);
+        let whole = build(&triangles);
+        let chunked = TriangleBvh::build_in_chunks(count as u32, |t| triangles[t as usize], size).unwrap();
+        assert_eq!(whole.bounds(), chunked.bounds());
+        for _ in 0..2000 {
+            let ray = ray(1.5 * random.point(), random.direction());
+            assert_eq!(closest(&whole, &ray), closest(&chunked, &ray));
+            assert_eq!(occluded(&whole, &ray), occluded(&chunked, &ray));
+        }
+    }
+    assert!(TriangleBvh::build_in_chunks(0, |_| unreachable!(), 4).is_none());
+}
+
+#[test]
 fn coplanar_and_repeated_triangles_give_the_lowest_number_at_the_least_distance() {
     let mut random = Random(2);
     let flat = |v: Vec3| Vec3::new(v.x, v.y, 0.5);

@@ -10,6 +10,10 @@ use super::watertight::Crossing;
 use super::{Bounds, Placement, ShearedRay, SlabRay, WideBvh};
 use crate::Ray;
 
+/// Triangles that a tree is built over at once: beside ten million, what building half a million takes (some
+/// 300 bytes each) is little.
+const CHUNK: usize = 1 << 19;
+
 /// The nearest triangle a ray crosses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TriangleHit {
@@ -33,11 +37,29 @@ pub struct TriangleBvh {
 
 impl TriangleBvh {
     /// Builds a tree over triangles `0..count`, whose vertices must be finite. `None` when there are none.
+    ///
+    /// Building takes several times the memory of what is built, so large meshes are cut into chunks that are built one
+    /// after the other.
     pub fn build(count: u32, vertices_of: impl Fn(u32) -> [Vec3; 3]) -> Option<Self> {
-        let boxes: Vec<Bounds> = (0..count).map(|t| Bounds::of(vertices_of(t))).collect();
-        let (tree, leaves) = WideBvh::build(&boxes, LANES as u32)?;
-        let packets = leaves.iter().map(|members| Packet::new(members, &vertices_of)).collect();
-        Some(Self { tree, packets })
+        Self::build_in_chunks(count, vertices_of, CHUNK)
+    }
+
+    /// The same in chunks of at most `size` triangles.
+    pub(super) fn build_in_chunks(count: u32, vertices_of: impl Fn(u32) -> [Vec3; 3], size: usize) -> Option<Self> {
+        let mut all: Vec<u32> = (0..count).collect();
+        let (mut trees, mut packets) = (vec![], vec![]);
+        for chunk in chunks(&mut all, &|t| Bounds::of(vertices_of(t)).centre(), size) {
+            let boxes: Vec<Bounds> = chunk.iter().map(|&t| Bounds::of(vertices_of(t))).collect();
+            let Some((tree, leaves)) = WideBvh::build(&boxes, LANES as u32) else { continue };
+            let of_leaf = |members: &Vec<u32>| {
+                let members: Vec<u32> = members.iter().map(|&member| chunk[member as usize]).collect();
+                Packet::new(&members, &vertices_of)
+            };
+            trees.push((tree, packets.len()));
+            packets.extend(leaves.iter().map(of_leaf));
+        }
+        packets.shrink_to_fit();
+        Some(Self { tree: WideBvh::join(trees)?, packets })
     }
 
     /// The box round all triangles.
@@ -114,6 +136,18 @@ impl TriangleBvh {
         };
         SlabRay::new(&local, self.bounds(), placement.inverse_error(reach))
     }
+}
+
+/// Cuts triangles into chunks of at most `size`, at the middle one along the longest axis of their centres.
+fn chunks<'a>(triangles: &'a mut [u32], centre_of: &impl Fn(u32) -> Vec3, size: usize) -> Vec<&'a [u32]> {
+    if triangles.len() <= size {
+        return vec![triangles];
+    }
+    let axis = Bounds::of(triangles.iter().map(|&t| centre_of(t))).extent().max_position();
+    let middle = triangles.len() / 2;
+    triangles.select_nth_unstable_by(middle, |&a, &b| centre_of(a)[axis].total_cmp(&centre_of(b)[axis]));
+    let (low, high) = triangles.split_at_mut(middle);
+    [chunks(low, centre_of, size), chunks(high, centre_of, size)].concat()
 }
 
 impl Crossing {

@@ -63,7 +63,7 @@ impl<'a> PathTracer<'a> {
     /// Adds what `hit` emits towards the path.
     fn see_emitter(&self, path: &mut Path, hit: &Interaction) {
         let Some(emitter) = hit.emitter else { return };
-        let share = self.found_share(path.departure, |_| self.lights.light_pdf(emitter, hit));
+        let share = self.found_share(path.departure, |from| self.lights.light_pdf(from.receiver, emitter, hit));
         path.add_emission(share * self.lights.emitted(emitter, hit));
     }
 

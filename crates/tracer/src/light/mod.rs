@@ -1,16 +1,21 @@
 //! Where light comes from: triangles that emit, and the sky.
 //!
-//! A light is chosen in proportion to its power, so its share of the samples does not depend on where they are needed.
+//! First the sky or the lamps are chosen, by power; then one of the lamps, by what it may send to the surface that asks
+//! ([`tree`]). The sky stays out of the tree: it has no place, so there is no distance to weigh against the lamps'.
 
-mod alias_table;
+mod light_bounds;
+mod normal_cone;
 mod sky;
+mod tree;
 mod triangle;
 
 use std::f32::consts::PI;
 
-use alias_table::AliasTable;
 use glam::{Vec2, Vec3};
+use light_bounds::LightBounds;
+use normal_cone::NormalCone;
 use sky::Sky;
+pub(crate) use tree::LightTree;
 
 use crate::Ray;
 use crate::interaction::Interaction;
@@ -23,6 +28,8 @@ const LARGEST_SKY_SHARE: f64 = 0.5;
 /// Who looks for light.
 #[derive(Clone, Copy, Debug)]
 pub struct Receiver {
+    /// Where it is, in scene units.
+    pub position: Vec3,
     /// The surface's unit normal, on the viewer's side.
     pub normal: Vec3,
     /// Whether light from beyond the surface matters, too.
@@ -46,7 +53,7 @@ pub struct LightSample {
 #[derive(Debug)]
 pub struct Lights<'a> {
     scene: &'a Scene,
-    triangles: AliasTable,
+    lamps: &'a LightTree,
     sky: Option<Sky<'a>>,
     /// Of 2³² choices, those that take the sky.
     sky_choices: u64,
@@ -56,18 +63,18 @@ impl<'a> Lights<'a> {
     /// The lights of `scene`. A triangle's power is π A L; the sky's is what falls on a sphere round the scene from
     /// outside, 4π² r² L, L being its mean.
     pub fn new(scene: &'a Scene) -> Self {
-        let power = |e: &crate::scene::EmissiveTriangle| f64::from(PI * e.area) * mean(e.radiance);
-        let triangles = AliasTable::new(&scene.emitters.iter().map(power).collect::<Vec<_>>());
+        let of_scene = || LightTree::new(&(0..scene.emitters.len()).map(|i| lamp(scene, i)).collect::<Vec<_>>());
+        let lamps = scene.light_tree.get_or_init(of_scene);
         let sky = scene.environment.as_ref().map(|environment| Sky { environment });
         let radius = f64::from(scene.bounds().max.distance(scene.bounds().min)) / 2.0;
         let sky_power =
             scene.environment.as_ref().map_or(0.0, |e| 4.0 * f64::from(PI * PI) * radius * radius * mean(e.mean()));
-        let share = match (sky_power > 0.0, triangles.total() > 0.0) {
+        let share = match (sky_power > 0.0, lamps.power() > 0.0) {
             (false, _) => 0.0,
             (true, false) => 1.0,
-            (true, true) => (sky_power / (sky_power + triangles.total())).min(LARGEST_SKY_SHARE),
+            (true, true) => (sky_power / (sky_power + lamps.power())).min(LARGEST_SKY_SHARE),
         };
-        Self { scene, triangles, sky, sky_choices: (share * CHOICES as f64) as u64 }
+        Self { scene, lamps, sky, sky_choices: (share * CHOICES as f64) as u64 }
     }
 
     /// Chooses a light by the whole number `choice` (uniform over 2³²) and a point on it by `u` in [0, 1)², for the
@@ -78,17 +85,21 @@ impl<'a> Lights<'a> {
             return self.sky?.sample(from, receiver, u).map(|sample| scaled(sample, self.sky_share()));
         }
         let rest = CHOICES - self.sky_choices;
-        let index = self.triangles.sample_index(((choice - self.sky_choices) * CHOICES / rest) as u32)?;
-        let light = self.scene.emitter_at(index, from.time);
+        let lamp = self.lamps.sample_lamp(&receiver, ((choice - self.sky_choices) * CHOICES / rest) as u32)?;
+        let light = self.scene.emitter_at(lamp.index, from.time);
         let sample = triangle::sample(&light, &self.scene.materials[light.material as usize], from, u)?;
-        Some(scaled(sample, self.triangle_share(index)))
+        Some(scaled(sample, (1.0 - self.sky_share()) * lamp.probability))
     }
 
-    /// Density per solid angle with which [`sample_light`](Self::sample_light) looks from anywhere to the point of
+    /// Density per solid angle with which [`sample_light`](Self::sample_light) looks from `receiver` to the point of
     /// emitter `emitter` that `seen` is, at the end of a ray from there. 0 behind it.
-    pub fn light_pdf(&self, emitter: u32, seen: &Interaction) -> f32 {
+    pub fn light_pdf(&self, receiver: Receiver, emitter: u32, seen: &Interaction) -> f32 {
         let index = emitter as usize;
-        self.triangle_share(index) * triangle::pdf(&self.scene.emitter_at(index, seen.time), seen)
+        let of_point = triangle::pdf(&self.scene.emitter_at(index, seen.time), seen);
+        if of_point == 0.0 {
+            return 0.0;
+        }
+        (1.0 - self.sky_share()) * self.lamps.lamp_probability(&receiver, index) * of_point
     }
 
     /// Density per solid angle with which it looks from `receiver` into the sky at `direction`.
@@ -114,9 +125,16 @@ impl<'a> Lights<'a> {
     fn sky_share(&self) -> f32 {
         (self.sky_choices as f64 / CHOICES as f64) as f32
     }
+}
 
-    fn triangle_share(&self, index: usize) -> f32 {
-        (1.0 - self.sky_share()) * self.triangles.probability(index)
+/// Emitter `index` of `scene` as the tree knows it.
+fn lamp(scene: &Scene, index: usize) -> LightBounds {
+    let emitter = &scene.emitters[index];
+    let sweep = scene.emitter_sweep(index);
+    LightBounds {
+        bounds: sweep.bounds,
+        cone: NormalCone::new(sweep.normal, sweep.turn),
+        power: f64::from(PI * emitter.area) * mean(emitter.radiance),
     }
 }
 

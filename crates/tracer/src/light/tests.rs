@@ -30,12 +30,14 @@ fn scene(size: f32, height: f32, sky: Option<Vec3>) -> Scene {
 }
 
 /// A floor's way of looking for light.
-const UP: Receiver = Receiver { normal: Vec3::Y, two_sided: false };
+const UP: Receiver = Receiver { position: FLOOR_POINT, normal: Vec3::Y, two_sided: false };
+
+const FLOOR_POINT: Vec3 = Vec3::new(0.1, 0.0, -0.2);
 
 /// A point of a floor facing up.
 fn floor_point(material: &Material) -> Interaction<'_> {
     Interaction {
-        position: Vec3::new(0.1, 0.0, -0.2),
+        position: FLOOR_POINT,
         position_error: Vec3::ZERO,
         geometric_normal: Vec3::Y,
         shading_normal: Vec3::Y,
@@ -51,7 +53,7 @@ fn floor_point(material: &Material) -> Interaction<'_> {
 /// Density of all lights together in `direction`, found by following a ray.
 fn pdf_along(lights: &Lights, from: &Interaction, direction: Vec3) -> f32 {
     let seen = lights.scene.intersect(&from.spawn(direction));
-    let lamp = seen.and_then(|seen| Some(lights.light_pdf(seen.emitter?, &seen)));
+    let lamp = seen.and_then(|seen| Some(lights.light_pdf(UP, seen.emitter?, &seen)));
     lamp.unwrap_or(0.0) + lights.sky_pdf(UP, direction)
 }
 
@@ -98,7 +100,7 @@ fn a_sample_carries_the_density_that_following_its_direction_finds() {
         let seen = scene.intersect(&from.spawn(sample.direction));
         let own = match (lamp, seen) {
             (false, _) => lights.sky_pdf(UP, sample.direction),
-            (true, Some(seen)) => lights.light_pdf(seen.emitter.unwrap(), &seen),
+            (true, Some(seen)) => lights.light_pdf(UP, seen.emitter.unwrap(), &seen),
             (true, None) => panic!("the lamp is missed"),
         };
         assert!((sample.pdf / own - 1.0).abs() < 1e-3, "{} {own}", sample.pdf);
@@ -144,7 +146,7 @@ fn a_lamp_shines_to_one_side_only() {
     above.position.y = 2.0;
     assert!((0..50).all(|i| lights.sample_light(&above, UP, i << 26, Vec2::splat(0.3)).is_none()));
     let down = scene.intersect(&above.spawn(-Vec3::Y)).unwrap();
-    assert_eq!(lights.light_pdf(down.emitter.unwrap(), &down), 0.0);
+    assert_eq!(lights.light_pdf(UP, down.emitter.unwrap(), &down), 0.0);
     assert_eq!(lights.emitted(down.emitter.unwrap(), &down), Vec3::ZERO);
     let up = scene.intersect(&floor_point(&scene.materials[1]).spawn(Vec3::Y)).unwrap();
     assert_eq!(lights.emitted(up.emitter.unwrap(), &up), Vec3::splat(2.0));

@@ -4,9 +4,9 @@ use std::borrow::Cow;
 
 use glam::{Vec2, Vec3};
 
-use super::Scene;
 use super::instance::Placed;
 use super::mesh::IndexedMesh;
+use super::{Bounds, Scene};
 use crate::material::Material;
 
 /// A triangle that emits on the side its normal points to.
@@ -40,6 +40,31 @@ impl Scene {
         let vertices = emitter.vertices.map(|vertex| moving.carried(vertex, time));
         Cow::Owned(EmissiveTriangle { vertices, normal: moving.turned(emitter.normal, time), ..*emitter })
     }
+
+    /// What holds emitter `index` over the frame.
+    pub(crate) fn emitter_sweep(&self, index: usize) -> EmitterSweep {
+        let emitter = &self.emitters[index];
+        let moving = emitter.moves_with.and_then(|placed| self.placed[placed as usize].moving.as_ref());
+        let Some(moving) = moving else {
+            return EmitterSweep { bounds: Bounds::of(emitter.vertices), normal: emitter.normal, turn: 0.0 };
+        };
+        EmitterSweep {
+            bounds: moving.sweep_carried(emitter.vertices),
+            normal: moving.turned(emitter.normal, 0.5),
+            turn: 0.5 * moving.whole_turn(),
+        }
+    }
+}
+
+/// Where an emitter is and where it shines while it moves.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct EmitterSweep {
+    /// All of it at any time of the frame.
+    pub(crate) bounds: Bounds,
+    /// Its unit normal in the middle of the frame.
+    pub(crate) normal: Vec3,
+    /// How far, in radians, its normal is from that at most.
+    pub(crate) turn: f64,
 }
 
 /// Lists the emitters of `placed`, which is number `number`, in the order of its mesh's emissive triangles.

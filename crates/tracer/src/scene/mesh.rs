@@ -76,6 +76,10 @@ impl Mesh {
 
     /// Adds another mesh's triangles.
     pub(super) fn append(&mut self, mut other: Self) {
+        if self.positions.is_empty() {
+            *self = other;
+            return;
+        }
         let first = self.positions.len() as u32;
         if !(self.normals.is_empty() && other.normals.is_empty()) {
             self.normals.resize(self.positions.len(), Vec3::ZERO);

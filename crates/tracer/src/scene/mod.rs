@@ -20,6 +20,8 @@ mod relief;
 mod source;
 mod surface;
 
+use std::sync::OnceLock;
+
 pub use crate::bvh::{Bounds, Placement};
 pub use description::{RawRender, RenderEntry, nearest_name};
 pub use emitters::EmissiveTriangle;
@@ -32,6 +34,7 @@ pub use mesh::{Dropped, Mesh};
 pub use motion::Motion;
 
 use crate::environment::Environment;
+use crate::light::LightTree;
 use crate::material::Material;
 use instance::{InstanceTree, Placed};
 use mesh::IndexedMesh;
@@ -51,6 +54,8 @@ pub struct Scene {
     tree: Option<InstanceTree>,
     bounds: Bounds,
     dropped: Dropped,
+    /// Made when light is first looked for.
+    pub(crate) light_tree: OnceLock<LightTree>,
 }
 
 impl Scene {
@@ -75,7 +80,17 @@ impl Scene {
         let bounds = placed.iter().map(|p| p.bounds).reduce(Bounds::union);
         let bounds = bounds.ok_or(SceneError::Empty { dropped })?;
         let tree = InstanceTree::build(&placed);
-        Ok(Self { materials, emitters, environment, meshes, placed, tree, bounds, dropped })
+        Ok(Self {
+            materials,
+            emitters,
+            environment,
+            meshes,
+            placed,
+            tree,
+            bounds,
+            dropped,
+            light_tree: OnceLock::new(),
+        })
     }
 
     /// The box round everything.

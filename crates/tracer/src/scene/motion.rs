@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DQuat, DVec3, Vec3};
 
-use super::Placement;
+use super::{Bounds, Placement};
 
 /// A rigid motion, even over the frame, whose time runs from 0 to 1: a turn about a point, then a shift.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,16 +58,33 @@ impl MovingPlacement {
         self.motion.at(time).transform_vector3(direction.as_dvec3()).as_vec3()
     }
 
-    /// Boxes round `points` (in the mesh's space) at moments between which they hardly turn, widened by what they turn: all
-    /// of the frame lies in their union.
-    pub(super) fn sweep<'p>(&self, points: impl Iterator<Item = &'p Vec3> + Clone) -> super::Bounds {
+    /// Angle of its turn over the whole frame, in radians; more than one turn is possible.
+    pub(super) fn whole_turn(&self) -> f64 {
+        self.motion.turn.length()
+    }
+
+    /// A box round `points` (in the mesh's space) that holds them over the whole frame.
+    pub(super) fn sweep<'p>(&self, points: impl Iterator<Item = &'p Vec3> + Clone) -> Bounds {
+        self.swept(|time| {
+            let placement = self.at(time);
+            Bounds::of(points.clone().map(|p| placement.point(*p)))
+        })
+    }
+
+    /// A box round `points` of the scene, at time 0, that holds them over the whole frame.
+    pub(super) fn sweep_carried(&self, points: [Vec3; 3]) -> Bounds {
+        self.swept(|time| Bounds::of(points.map(|p| self.carried(p, time))))
+    }
+
+    /// All of the frame from the boxes at single moments: those between which things hardly turn, widened by what they
+    /// turn.
+    fn swept(&self, at: impl Fn(f32) -> Bounds) -> Bounds {
         const FINEST: f64 = 0.1;
-        let steps = (self.motion.turn.length() / FINEST).ceil().clamp(1.0, 256.0) as usize;
-        let of = |placement: Placement| super::Bounds::of(points.clone().map(|p| placement.point(*p)));
-        let swept = (0..=steps).map(|i| of(self.at(i as f32 / steps as f32))).reduce(super::Bounds::union);
-        let mut bounds = swept.unwrap_or(super::Bounds::EMPTY);
+        let steps = (self.whole_turn() / FINEST).ceil().clamp(1.0, 256.0) as usize;
+        let swept = (0..=steps).map(|i| at(i as f32 / steps as f32)).reduce(Bounds::union);
+        let mut bounds = swept.unwrap_or(Bounds::EMPTY);
         let from_centre = |c: Vec3| (c.as_dvec3() - self.motion.centre).length();
-        let reach = of(self.start).corners().into_iter().map(from_centre).fold(0.0, f64::max);
+        let reach = at(0.0).corners().into_iter().map(from_centre).fold(0.0, f64::max);
         let pad = Vec3::splat((1.01 * self.motion.bulge(1.0 / steps as f64, reach)) as f32);
         (bounds.min, bounds.max) = (bounds.min - pad, bounds.max + pad);
         bounds
@@ -140,5 +157,29 @@ mod tests {
             }
         }
         assert!(hits > 3_000);
+    }
+
+    #[test]
+    fn the_sweep_of_an_emitter_holds_it_at_any_time() {
+        let surface = Surface::Diffuse { reflectance: Colour::constant(Vec3::ONE) };
+        let mesh = Mesh {
+            positions: vec![Vec3::ZERO, 2.0 * Vec3::X, Vec3::Y],
+            triangles: vec![[0, 1, 2]],
+            materials: vec![0],
+            ..Mesh::default()
+        };
+        let gentle = Motion { turn: 0.2 * tumble().turn, ..tumble() };
+        for motion in [tumble(), gentle] {
+            let stand = Instance { mesh: 0, placement: Placement::IDENTITY, motion: Some(motion) };
+            let material = Material::new("lamp", surface.clone(), Vec3::ONE);
+            let scene = Scene::new(vec![mesh.clone()], vec![stand], vec![material], None).unwrap();
+            let sweep = scene.emitter_sweep(0);
+            for i in 0..=100 {
+                let emitter = scene.emitter_at(0, i as f32 / 100.0);
+                let there = Bounds::of(emitter.vertices);
+                assert_eq!(sweep.bounds.union(there), sweep.bounds);
+                assert!(f64::from(emitter.normal.angle_between(sweep.normal)) < sweep.turn + 1e-3);
+            }
+        }
     }
 }

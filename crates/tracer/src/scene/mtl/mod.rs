@@ -53,6 +53,11 @@ impl MtlLibrary {
         }
     }
 
+    /// How many materials there are.
+    pub(super) fn len(&self) -> usize {
+        self.entries.len()
+    }
+
     /// Whether there is a material called `name`.
     pub(super) fn has(&self, name: &str) -> bool {
         self.entries.iter().any(|entry| entry.name == name)

@@ -1,24 +1,25 @@
 //! Wavefront OBJ files.
 //!
-//! `tobj` reads the numbers and unifies indices; [`polygon`] cuts faces into triangles. It gets the file line by line from
-//! [`clean::CleanLines`], which mends what tobj 4 trips over and knows the line of every mistake.
+//! The text is cut into pieces at the ends of lines, which are parsed side by side ([`piece`]) and put together in order
+//! ([`assemble`]): indices may point ahead, so they can be checked only when all pieces are there. [`polygon`] cuts faces
+//! into triangles.
 
-mod clean;
+mod assemble;
+mod piece;
 mod polygon;
 
-use std::cell::RefCell;
-use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use glam::{Vec2, Vec3};
+use rayon::prelude::*;
 
+use super::error::Place;
 use super::mtl::MtlLibrary;
 use super::notes::Notes;
 use super::source::read_text;
 use super::{Mesh, SceneError};
 use crate::material::Material;
-use clean::CleanLines;
-use polygon::{cut_concave, fan};
+use assemble::assemble;
+use piece::{Counts, Mistake, Piece, find_out_of_range};
 
 /// Triangles and materials of an OBJ file.
 #[derive(Debug)]
@@ -29,34 +30,18 @@ pub(super) struct ObjFile {
     pub(super) materials: Vec<Material>,
 }
 
-const OPTIONS: tobj::LoadOptions =
-    tobj::LoadOptions { single_index: true, triangulate: false, ignore_points: true, ignore_lines: true };
+/// Bytes of a piece, about: enough that parsing outweighs everything else, and few enough that all threads get some.
+const PIECE: usize = 1 << 20;
 
 /// Reads an OBJ file and the materials it names. What is missing but not vital goes to `notes`.
 ///
 /// # Errors
 /// When the file cannot be read, has no face, or a line is malformed or points to a vertex that does not exist.
 pub(super) fn read_obj(path: &Path, notes: &mut Notes) -> Result<ObjFile, SceneError> {
-    let text = read_text(path)?;
-    if text.trim().is_empty() {
-        return Err(SceneError::EmptyFile { path: path.into() });
-    }
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let library = RefCell::new(MtlLibrary::new(folder.into()));
-    let mut lines = CleanLines::new(&text, path);
-    let read = tobj::load_obj_buf(&mut lines, &OPTIONS, |name| Ok(load_library(&library, name)));
-    lines.finish(read.as_ref().err())?;
-    let models = read.map_or(vec![], |(models, _)| models);
-    let vertices = lines.vertices();
-    let mut library = library.into_inner();
-    lines.note(&library, notes);
-    let mut mesh = Mesh::default();
-    let mut unnamed = None;
-    for model in models {
-        let mut without = || *unnamed.get_or_insert_with(|| library.default_material());
-        let material = model.mesh.material_id.unwrap_or_else(&mut without);
-        mesh.append(mesh_of(model.mesh, material));
-    }
+    let pieces = read_pieces(path)?;
+    let vertices = pieces.iter().map(|piece| piece.positions.len()).sum();
+    let mut library = MtlLibrary::new(path.parent().unwrap_or(Path::new("")).into());
+    let mesh = assemble(pieces, &mut library, path, notes);
     if mesh.triangles.is_empty() {
         return Err(SceneError::NoFaces { path: path.into(), vertices });
     }
@@ -64,45 +49,63 @@ pub(super) fn read_obj(path: &Path, notes: &mut Notes) -> Result<ObjFile, SceneE
     Ok(ObjFile { mesh, materials })
 }
 
-/// What tobj needs to know of the libraries one `mtllib` line names: a stand-in and an index for each material.
-fn load_library(library: &RefCell<MtlLibrary>, names: &Path) -> (Vec<tobj::Material>, HashMap<String, usize>) {
-    let added = library.borrow_mut().add(&names.to_string_lossy());
-    let indices = added.iter().enumerate().map(|(i, name)| (name.clone(), i)).collect();
-    (vec![tobj::Material::default(); added.len()], indices)
+/// The pieces of a file, all their indices counted from the file's first vertex.
+fn read_pieces(path: &Path) -> Result<Vec<Piece>, SceneError> {
+    let text = read_text(path)?;
+    if text.trim().is_empty() {
+        return Err(SceneError::EmptyFile { path: path.into() });
+    }
+    parse(&text, PIECE, path)
 }
 
-fn mesh_of(mesh: tobj::Mesh, material: usize) -> Mesh {
-    let points = |flat: &[f32]| flat.chunks_exact(3).map(Vec3::from_slice).collect::<Vec<_>>();
-    let positions = points(&mesh.positions);
-    let triangles = triangles_of(&positions, &mesh.indices, &mesh.face_arities);
-    Mesh {
-        positions,
-        normals: points(&mesh.normals).into_iter().map(Vec3::normalize_or_zero).collect(),
-        uvs: mesh.texcoords.chunks_exact(2).map(Vec2::from_slice).collect(),
-        materials: vec![material as u32; triangles.len()],
-        triangles,
+/// The same of `text`, the content of `path`, in pieces of about `size` bytes.
+fn parse(text: &str, size: usize, path: &Path) -> Result<Vec<Piece>, SceneError> {
+    let texts = cut(text, size);
+    let mut pieces: Vec<Piece> = texts.par_iter().map(|text| Piece::parse(text)).collect();
+    let fault = |line: usize, mistake: Mistake| SceneError::Malformed {
+        place: Place { file: path.into(), line: line + mistake.line },
+        expected: mistake.expected,
+        found: mistake.found,
+    };
+    let lines_before = sums_before(&pieces, |piece| [piece.lines; 3]).0;
+    let malformed =
+        pieces.iter_mut().zip(&lines_before).find_map(|(piece, [line, ..])| Some((*line, piece.mistake.take()?)));
+    if let Some((line, mistake)) = malformed {
+        return Err(fault(line, mistake));
     }
-}
-
-/// Triangles of faces that have `arities` corners each; of triangles alone when there are no arities.
-fn triangles_of(positions: &[Vec3], indices: &[u32], arities: &[u32]) -> Vec<[u32; 3]> {
-    if arities.is_empty() {
-        return indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
-    }
-    let mut triangles = Vec::with_capacity(indices.len());
-    let (mut rest, mut corners) = (indices, vec![]);
-    for &arity in arities {
-        let (face, after) = rest.split_at(arity as usize);
-        rest = after;
-        corners.clear();
-        corners.extend(face.iter().map(|&v| positions[v as usize]));
-        let of_face = |t: [usize; 3]| t.map(|corner| face[corner]);
-        match cut_concave(&corners) {
-            None => triangles.extend(fan(face.len()).map(of_face)),
-            Some(cut) => triangles.extend(cut.into_iter().map(of_face)),
+    let (before, total) = sums_before(&pieces, Piece::counts);
+    let sound: Vec<bool> =
+        pieces.par_iter_mut().zip(&before).map(|(piece, before)| piece.make_absolute(*before, total)).collect();
+    if let Some(first) = sound.iter().position(|sound| !sound) {
+        if let Some(mistake) = find_out_of_range(texts[first], before[first], total) {
+            return Err(fault(lines_before[first][0], mistake));
         }
     }
-    triangles
+    Ok(pieces)
+}
+
+/// For each piece the sums of what `of` tells of those before it; and the sums of all.
+fn sums_before(pieces: &[Piece], of: impl Fn(&Piece) -> Counts) -> (Vec<Counts>, Counts) {
+    let mut sum = Counts::default();
+    let add = |piece: &Piece| {
+        let before = sum;
+        sum = std::array::from_fn(|i| before[i] + of(piece)[i]);
+        before
+    };
+    (pieces.iter().map(add).collect(), sum)
+}
+
+/// Cuts `text` at ends of lines into pieces of `size` bytes or somewhat more. A line that a backslash continues is not cut.
+fn cut(text: &str, size: usize) -> Vec<&str> {
+    let (mut pieces, mut rest) = (vec![], text);
+    while !rest.is_empty() {
+        let ends = rest.as_bytes().iter().enumerate().skip(size).filter(|(_, byte)| **byte == b'\n').map(|(at, _)| at);
+        let end = ends.into_iter().find(|&at| !rest[..at].trim_end().ends_with('\\')).map_or(rest.len(), |at| at + 1);
+        let (piece, after) = rest.split_at(end);
+        pieces.push(piece);
+        rest = after;
+    }
+    pieces
 }
 
 /// The path of `name`, as a file in `folder` calls another: backslashes are taken for slashes, and when there is no such

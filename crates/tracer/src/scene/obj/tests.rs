@@ -5,8 +5,9 @@ use glam::Vec3;
 use tempfile::TempDir;
 
 use super::super::notes::Notes;
-use super::{ObjFile, find_file, read_obj};
+use super::{ObjFile, assemble, cut, find_file, parse, read_obj};
 use crate::material::Surface;
+use crate::scene::mtl::MtlLibrary;
 
 /// A folder with an OBJ file and perhaps other files.
 fn folder(obj: &[u8], others: &[(&str, &[u8])]) -> TempDir {
@@ -76,6 +77,35 @@ fn mistakes_are_told_with_their_line() {
 }
 
 #[test]
+fn pieces_of_any_size_make_the_same_mesh_and_the_same_mistakes() {
+    let mixed = "v 0 0 0\nvt 0 0\n# v\r\nv 1 0 0\nvn 0 0 1\nf 1 2 3\nv 1 1 0\nv 0 1 0\rvt 1 0\nusemtl a\n\
+        f -4/-2/-1 -3/1/1 \\\n  -2/2/1 4/2/1\nf 1/1 2/2 3/1\nusemtl b\nf 1//1 2//1 4//1\nf 1 2\nv 2 .5 0\nf -1 -2 -3 -4\n\
+        f 2/1/1 4/1/1 5/1/1\np 1\n";
+    let mesh = |size: usize| {
+        let (path, mut notes) = (Path::new("a.obj"), Notes::default());
+        let pieces = parse(mixed, size, path).unwrap();
+        let mesh = assemble(pieces, &mut MtlLibrary::new("".into()), path, &mut notes);
+        (format!("{mesh:?}"), notes.into_lines())
+    };
+    let whole = mesh(usize::MAX);
+    assert_eq!(cut(mixed, 1).len(), mixed.matches('\n').count() - 1, "the continued line is not cut");
+    for size in 0..mixed.len() {
+        assert_eq!(cut(mixed, size).concat(), mixed);
+        assert_eq!(mesh(size), whole);
+    }
+    for (wrong, expected) in [
+        ("v 1\n", "a.obj:21: expected v and three numbers, found 'v 1'"),
+        ("f 1 2 6\n", "a.obj:21: expected a vertex that exists (there are 5), found number 6"),
+        ("f -6 2 1\n", "a.obj:21: expected a vertex that exists (there are 5), found number -6"),
+    ] {
+        for size in [1, 40, 1000] {
+            let error = parse(&format!("{mixed}{wrong}# end\n"), size, Path::new("a.obj")).unwrap_err();
+            assert_eq!(error.to_string(), expected, "{size}");
+        }
+    }
+}
+
+#[test]
 fn missing_files_and_folders_are_told_apart() {
     let folder = folder(b"", &[]);
     let refuse = |path: &Path| read_obj(path, &mut Notes::default()).unwrap_err().to_string();
@@ -84,7 +114,7 @@ fn missing_files_and_folders_are_told_apart() {
 }
 
 #[test]
-fn what_tobj_trips_over_is_mended() {
+fn what_other_programs_write_is_understood() {
     let obj = b"# caf\xe9\r\nmtllib\tnone.mtl\r\nusemtl \r\nv 0 0 0 # origin\r\nv 1 \\\r\n 0 0\r\nv 0 1 0\r\nv 1.#QNAN 0 0\r\n\
         v -nan(ind) 0 0\r\nvt 0.5\r\ng \xff\r\nf 1 2 3\r\nf 1 2 4\r\nf 1/1 2/1 3/1\r\nf 1/1 2 3/1\r\nf 1\r\n";
     let (file, notes) = read(obj, &[]);

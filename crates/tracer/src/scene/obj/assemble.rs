@@ -1,0 +1,190 @@
+//! From the pieces of an OBJ file to one mesh.
+
+use std::collections::{BTreeSet, HashMap};
+use std::path::Path;
+
+use glam::{Vec2, Vec3};
+
+use super::super::Mesh;
+use super::super::mtl::MtlLibrary;
+use super::super::notes::Notes;
+use super::piece::{Event, NONE, Piece};
+use super::polygon::{cut_concave, fan};
+
+/// Puts the pieces of the file `path` together, whose indices all count from the file's first vertex. Materials are looked
+/// for in the libraries named so far, which are read into `library`.
+pub(super) fn assemble(mut pieces: Vec<Piece>, library: &mut MtlLibrary, path: &Path, notes: &mut Notes) -> Mesh {
+    note_left_out(&pieces, path, notes);
+    let mut attributes = Attributes::take(&mut pieces);
+    let mut palette = Palette::default();
+    let mut mesh = Mesh::default();
+    let faces = pieces.iter().map(|piece| piece.faces).sum();
+    mesh.triangles.reserve(faces);
+    mesh.materials.reserve(faces);
+    for piece in pieces {
+        let mut events = piece.events.iter().peekable();
+        let mut first = 0;
+        for face in 0..piece.faces {
+            while let Some((_, event)) = events.next_if(|(before, _)| *before <= face) {
+                palette.heed(event, library);
+            }
+            let corners = first..first + piece.arities.get(face).map_or(3, |arity| *arity as usize);
+            first = corners.end;
+            attributes.add_face(&piece, corners, &mut mesh.triangles);
+            mesh.materials.resize(mesh.triangles.len(), palette.current);
+        }
+        events.for_each(|(_, event)| palette.heed(event, library));
+    }
+    palette.note_missing(library, path, notes);
+    if mesh.materials.contains(&NONE) {
+        let grey = library.default_material() as u32;
+        mesh.materials.iter_mut().filter(|m| **m == NONE).for_each(|m| *m = grey);
+    }
+    attributes.into_mesh(mesh)
+}
+
+/// Says what of the file is not shown.
+fn note_left_out(pieces: &[Piece], path: &Path, notes: &mut Notes) {
+    let sum = |of: &dyn Fn(&Piece) -> usize| pieces.iter().map(of).sum::<usize>();
+    let left_out = [
+        (sum(&|piece| piece.skipped_faces), "faces with fewer than three corners"),
+        (sum(&|piece| piece.skipped[0]), "statements of points"),
+        (sum(&|piece| piece.skipped[1]), "statements of lines"),
+        (sum(&|piece| piece.skipped[2]), "curves and curved surfaces"),
+    ];
+    for (count, what) in left_out.into_iter().filter(|(count, _)| *count > 0) {
+        notes.add(format!("{}: {count} {what} left out", path.display()));
+    }
+}
+
+/// Materials by name.
+struct Palette {
+    by_name: HashMap<String, u32>,
+    /// Of the faces to come; [`NONE`] when no library has it.
+    current: u32,
+    used: BTreeSet<String>,
+}
+
+impl Default for Palette {
+    fn default() -> Self {
+        Self { by_name: HashMap::new(), current: NONE, used: BTreeSet::new() }
+    }
+}
+
+impl Palette {
+    fn heed(&mut self, event: &Event, library: &mut MtlLibrary) {
+        match event {
+            Event::Library(names) => {
+                let first = library.len();
+                let added = library.add(names).into_iter().zip(first as u32..);
+                self.by_name.extend(added);
+            }
+            Event::Use(name) => {
+                self.current = self.by_name.get(name).copied().unwrap_or(NONE);
+                self.used.insert(name.clone());
+            }
+        }
+    }
+
+    fn note_missing(&self, library: &MtlLibrary, path: &Path, notes: &mut Notes) {
+        for name in self.used.iter().filter(|name| !library.has(name)) {
+            notes.add(format!("{}: no library has material '{name}'; grey is used", path.display()));
+        }
+    }
+}
+
+/// What corners of faces point to, and the vertices made of it.
+struct Attributes {
+    positions: Vec<Vec3>,
+    uvs: Vec<Vec2>,
+    normals: Vec<Vec3>,
+    /// Different corners, when there is more to them than positions. Else vertices are positions.
+    vertices: Option<Vertices>,
+}
+
+/// Corners with the same indices are one vertex. Those that share a position are chained: most have one or two.
+#[derive(Default)]
+struct Vertices {
+    /// Indices of position, texture coordinate and normal, and the next vertex with that position.
+    all: Vec<([u32; 3], u32)>,
+    /// The first vertex with each position.
+    first: Vec<u32>,
+}
+
+impl Vertices {
+    fn number(&mut self, corner: [u32; 3]) -> u32 {
+        let mut at = self.first[corner[0] as usize];
+        while at != NONE {
+            let (there, next) = self.all[at as usize];
+            if there == corner {
+                return at;
+            }
+            at = next;
+        }
+        let number = self.all.len() as u32;
+        let first = &mut self.first[corner[0] as usize];
+        self.all.push((corner, *first));
+        *first = number;
+        number
+    }
+}
+
+impl Attributes {
+    /// Takes them out of the pieces.
+    fn take(pieces: &mut [Piece]) -> Self {
+        let count: [usize; 3] = std::array::from_fn(|kind| pieces.iter().map(|piece| piece.counts()[kind]).sum());
+        let mut all = Self {
+            positions: Vec::with_capacity(count[0]),
+            uvs: Vec::with_capacity(count[1]),
+            normals: Vec::with_capacity(count[2]),
+            vertices: None,
+        };
+        for piece in &mut *pieces {
+            all.positions.extend(std::mem::take(&mut piece.positions));
+            all.uvs.extend(std::mem::take(&mut piece.uvs));
+            all.normals.extend(std::mem::take(&mut piece.normals));
+        }
+        if pieces.iter().any(|piece| !piece.corners[1].is_empty() || !piece.corners[2].is_empty()) {
+            all.vertices = Some(Vertices { all: vec![], first: vec![NONE; count[0]] });
+        }
+        all
+    }
+
+    /// Cuts a face of `piece` into triangles.
+    fn add_face(&mut self, piece: &Piece, corners: std::ops::Range<usize>, triangles: &mut Vec<[u32; 3]>) {
+        let vertex = |vertices: &mut Option<Vertices>, corner: usize| {
+            let of = |kind: usize| piece.corners[kind].get(corner).copied().unwrap_or(NONE);
+            vertices.as_mut().map_or_else(|| of(0), |vertices| vertices.number([of(0), of(1), of(2)]))
+        };
+        if corners.len() == 3 {
+            triangles.push([0, 1, 2].map(|i| vertex(&mut self.vertices, corners.start + i)));
+            return;
+        }
+        let outline: Vec<Vec3> =
+            piece.corners[0][corners.clone()].iter().map(|&v| self.positions[v as usize]).collect();
+        let face: Vec<u32> = corners.map(|corner| vertex(&mut self.vertices, corner)).collect();
+        let of_face = |t: [usize; 3]| t.map(|corner| face[corner]);
+        match cut_concave(&outline) {
+            None => triangles.extend(fan(face.len()).map(of_face)),
+            Some(cut) => triangles.extend(cut.into_iter().map(of_face)),
+        }
+    }
+
+    /// Gives the triangles of `mesh` their vertices.
+    fn into_mesh(self, mut mesh: Mesh) -> Mesh {
+        let Some(Vertices { all, .. }) = self.vertices else {
+            mesh.positions = self.positions;
+            return mesh;
+        };
+        mesh.positions = all.iter().map(|(corner, _)| self.positions[corner[0] as usize]).collect();
+        if all.iter().any(|(corner, _)| corner[1] != NONE) {
+            let uv = |index: u32| if index == NONE { Vec2::ZERO } else { self.uvs[index as usize] };
+            mesh.uvs = all.iter().map(|(corner, _)| uv(corner[1])).collect();
+        }
+        if all.iter().any(|(corner, _)| corner[2] != NONE) {
+            let normal = |index: u32| if index == NONE { Vec3::ZERO } else { self.normals[index as usize] };
+            mesh.normals = all.iter().map(|(corner, _)| normal(corner[2]).normalize_or_zero()).collect();
+        }
+        mesh
+    }
+}
