@@ -19,6 +19,7 @@ mod picture_file;
 mod relief;
 mod source;
 mod surface;
+mod textures;
 
 pub use crate::bvh::{Bounds, Placement};
 pub use description::{RawRender, RenderEntry, nearest_name};

@@ -18,15 +18,14 @@ use glam::Vec3;
 
 use super::super::look::{COMMON_COAT, capped, coated, metal};
 use super::super::notes::Notes;
+use super::super::textures::{TextureFiles, TextureUse};
 use super::entry::MtlEntry;
-use super::texture_file::TextureFiles;
-use super::texture_line::TextureLine;
 use crate::material::{Colour, Material, Surface};
 
 impl MtlEntry {
     /// The material; without its textures when there is nobody to read them.
     pub(super) fn material(&self, mut read: Option<(&mut TextureFiles, &mut Notes)>) -> Material {
-        let mut texture = |colour: Colour, line: &Option<TextureLine>| match (line, &mut read) {
+        let mut texture = |colour: Colour, line: &Option<TextureUse>| match (line, &mut read) {
             (Some(line), Some((files, notes))) => self.textured(colour, line, files, notes),
             _ => colour,
         };
@@ -40,7 +39,7 @@ impl MtlEntry {
         Material { name: self.name.clone(), surface: self.surface(diffuse, specular), emission, maps }
     }
 
-    fn textured(&self, colour: Colour, line: &TextureLine, files: &mut TextureFiles, notes: &mut Notes) -> Colour {
+    fn textured(&self, colour: Colour, line: &TextureUse, files: &mut TextureFiles, notes: &mut Notes) -> Colour {
         match files.colours(line) {
             Ok(texture) => Colour { texture: Some(texture), ..colour },
             Err(why) => {

@@ -3,16 +3,15 @@
 use std::sync::Arc;
 
 use super::super::notes::Notes;
+use super::super::textures::{Channel, TextureFiles, TextureUse};
 use super::entry::MtlEntry;
-use super::texture_file::TextureFiles;
-use super::texture_line::{Channel, TextureLine};
 use crate::material::{Grey, SurfaceMaps};
 use crate::texture::Texture;
 
 impl MtlEntry {
     /// The maps; without their textures when there is nobody to read them. What cannot be read is noted.
     pub(super) fn maps(&self, mut read: Option<(&mut TextureFiles, &mut Notes)>) -> SurfaceMaps {
-        let mut grey = |line: &Option<TextureLine>, usual| {
+        let mut grey = |line: &Option<TextureUse>, usual| {
             let (line, (files, notes)) = (line.as_ref()?, read.as_mut()?);
             self.found(files.greys(line, usual), notes)
         };

@@ -7,10 +7,10 @@ use std::sync::Arc;
 
 use image::DynamicImage;
 
+use super::super::obj::find_file;
 use super::super::picture_file::{decode, linear_rgb, plain_rgb, plain_rgba};
-use super::bump::{is_normal_map, normals_of_heights};
-use super::find_file;
-use super::texture_line::{Channel, TextureLine};
+use super::bump::{is_normal_map, normals_of_heights, steeper};
+use super::{Channel, TextureUse};
 use crate::texture::{GreyTexture, Raster, Texel, Texture};
 
 /// Where an image lies on the surface: scale, offset, and whether it is clamped.
@@ -21,7 +21,7 @@ type Made<K, T> = HashMap<(PathBuf, Layout, K), Arc<Raster<T>>>;
 
 /// Reads images, and makes each texture once.
 #[derive(Debug)]
-pub(super) struct TextureFiles<'a> {
+pub(in super::super) struct TextureFiles<'a> {
     folder: &'a Path,
     colours: Made<(), [f32; 3]>,
     normals: Made<Relief, [f32; 3]>,
@@ -31,78 +31,89 @@ pub(super) struct TextureFiles<'a> {
 /// How normals are read from an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Relief {
-    Normals,
+    /// As they stand, their slopes scaled by the number of these bits.
+    Normals(u32),
     /// Heights, scaled by the number of these bits.
     Heights(u32),
 }
 
 impl<'a> TextureFiles<'a> {
     /// Reads images named by files in `folder`.
-    pub(super) fn new(folder: &'a Path) -> Self {
+    pub(in super::super) fn new(folder: &'a Path) -> Self {
         Self { folder, colours: HashMap::new(), normals: HashMap::new(), greys: HashMap::new() }
     }
 
-    /// The colours of the image that a statement names.
+    /// The colours of the image named.
     ///
     /// # Errors
     /// In words, why there are none.
-    pub(super) fn colours(&mut self, line: &TextureLine) -> Result<Arc<Texture>, String> {
-        made(self.folder, line, (), &mut self.colours, |image| Ok(linear_rgb(image)))
+    pub(in super::super) fn colours(&mut self, texture: &TextureUse) -> Result<Arc<Texture>, String> {
+        made(self.folder, texture, (), &mut self.colours, |image| Ok(linear_rgb(image)))
     }
 
-    /// The normal map that a `norm` statement names.
+    /// The normal map that is named.
     ///
     /// # Errors
     /// In words, why there is none.
-    pub(super) fn normals(&mut self, line: &TextureLine) -> Result<Arc<Texture>, String> {
-        made(self.folder, line, Relief::Normals, &mut self.normals, |image| Ok(plain_rgb(image)))
+    pub(in super::super) fn normals(&mut self, texture: &TextureUse) -> Result<Arc<Texture>, String> {
+        let relief = Relief::Normals(texture.strength.to_bits());
+        made(self.folder, texture, relief, &mut self.normals, |image| {
+            let (size, mut pixels) = plain_rgb(image);
+            steeper(&mut pixels, texture.strength);
+            Ok((size, pixels))
+        })
     }
 
-    /// Normals of the heights that a `bump` statement names; what looks like a normal map is taken for one.
+    /// Normals of the heights that the image named; what looks like a normal map is taken for one.
     ///
     /// # Errors
     /// In words, why there are none.
-    pub(super) fn bumps(&mut self, line: &TextureLine) -> Result<Arc<Texture>, String> {
-        let relief = Relief::Heights(line.bump.to_bits());
-        made(self.folder, line, relief, &mut self.normals, |image| {
+    pub(in super::super) fn bumps(&mut self, texture: &TextureUse) -> Result<Arc<Texture>, String> {
+        let relief = Relief::Heights(texture.strength.to_bits());
+        made(self.folder, texture, relief, &mut self.normals, |image| {
             let (size, pixels) = plain_rgb(image);
             if is_normal_map(&pixels) {
                 return Ok((size, pixels));
             }
             let heights: Vec<f32> = image.to_luma32f().pixels().map(|p| p.0[0]).collect();
-            Ok((size, normals_of_heights(size, &heights, line.bump)))
+            Ok((size, normals_of_heights(size, &heights, texture.strength)))
         })
     }
 
-    /// One number a pixel: of the channel the statement names, else of `usual`; an image without alpha has luminance for
+    /// One number a pixel: of the channel is named, else of `usual`; an image without alpha has luminance for
     /// it.
     ///
     /// # Errors
     /// In words, why there are none.
-    pub(super) fn greys(&mut self, line: &TextureLine, usual: Channel) -> Result<Arc<GreyTexture>, String> {
-        let channel = line.channel.unwrap_or(usual);
-        made(self.folder, line, Some(channel), &mut self.greys, |image| Ok(channel_of(image, channel)))
+    pub(in super::super) fn greys(&mut self, texture: &TextureUse, usual: Channel) -> Result<Arc<GreyTexture>, String> {
+        let channel = texture.channel.unwrap_or(usual);
+        made(self.folder, texture, Some(channel), &mut self.greys, |image| Ok(channel_of(image, channel)))
     }
 }
 
-/// The texture `make` makes of the image that `line` names, or the one it made before.
+/// The texture `make` makes of the image that `texture` names, or the one it made before.
 fn made<K: Copy + Eq + Hash, T: Texel>(
     folder: &Path,
-    line: &TextureLine,
+    texture: &TextureUse,
     kind: K,
     before: &mut Made<K, T>,
     make: impl FnOnce(&DynamicImage) -> Result<([usize; 2], Vec<T>), String>,
 ) -> Result<Arc<Raster<T>>, String> {
-    let file = find_file(folder, &line.file).ok_or_else(|| format!("texture '{}' is missing", line.file))?;
-    let layout = ([line.scale.x, line.scale.y, line.offset.x, line.offset.y].map(f32::to_bits), line.clamp);
+    let file = find_file(folder, &texture.file).ok_or_else(|| format!("texture '{}' is missing", texture.file))?;
+    let layout =
+        ([texture.scale.x, texture.scale.y, texture.offset.x, texture.offset.y].map(f32::to_bits), texture.clamp);
     let key = (file.clone(), layout, kind);
     if let Some(texture) = before.get(&key) {
         return Ok(texture.clone());
     }
     let image = decode(&file).and_then(|image| make(&image));
-    let ([width, height], texels) = image.map_err(|e| format!("texture '{}' cannot be read: {e}", line.file))?;
-    let texture =
-        Raster { scale: line.scale, offset: line.offset, clamp: line.clamp, ..Raster::new(width, height, texels) };
+    let ([width, height], texels) = image.map_err(|e| format!("texture '{}' cannot be read: {e}", texture.file))?;
+    let texture = Raster {
+        scale: texture.scale,
+        offset: texture.offset,
+        clamp: texture.clamp,
+        ..Raster::new(width, height, texels)
+    };
     Ok(before.entry(key).or_insert(Arc::new(texture)).clone())
 }
 
