@@ -1,14 +1,17 @@
-//! Where light comes from: triangles that emit, and the sky.
+//! Where light comes from: triangles that emit, the sky, and lights too small to be hit.
 //!
 //! A light is chosen in proportion to its power, so its share of the samples does not depend on where they are needed.
 
 mod alias_table;
+mod delta;
 mod sky;
 mod triangle;
 
 use std::f32::consts::PI;
 
 use alias_table::AliasTable;
+pub use delta::DeltaLight;
+use delta::DeltaLights;
 use glam::{Vec2, Vec3};
 use sky::Sky;
 
@@ -34,10 +37,13 @@ pub struct Receiver {
 pub struct LightSample {
     /// Unit direction it comes from.
     pub direction: Vec3,
-    /// Its radiance, if nothing is in the way.
+    /// Its radiance, if nothing is in the way; of a delta light the irradiance of a surface across `direction`.
     pub radiance: Vec3,
-    /// Density of `direction` per solid angle, the choice of the light included; above 0.
+    /// Density of `direction` per solid angle, the choice of the light included; above 0. Of a delta light the probability
+    /// of the choice alone.
     pub pdf: f32,
+    /// Whether no ray that follows surfaces can find this light, so that samples like this one have to carry all of it.
+    pub is_delta: bool,
     /// What must not be occluded.
     pub shadow_ray: Ray,
 }
@@ -46,6 +52,7 @@ pub struct LightSample {
 #[derive(Debug)]
 pub struct Lights<'a> {
     scene: &'a Scene,
+    delta: DeltaLights<'a>,
     triangles: AliasTable,
     sky: Option<Sky<'a>>,
     /// Of 2³² choices, those that take the sky.
@@ -67,13 +74,17 @@ impl<'a> Lights<'a> {
             (true, false) => 1.0,
             (true, true) => (sky_power / (sky_power + triangles.total())).min(LARGEST_SKY_SHARE),
         };
-        Self { scene, triangles, sky, sky_choices: (share * CHOICES as f64) as u64 }
+        let delta = DeltaLights::new(&scene.delta_lights, radius, sky_power + triangles.total());
+        Self { scene, delta, triangles, sky, sky_choices: (share * CHOICES as f64) as u64 }
     }
 
     /// Chooses a light by the whole number `choice` (uniform over 2³²) and a point on it by `u` in [0, 1)², for the
     /// surface `receiver` at `from`. `None` when no light comes from there: there is no light, or it shines away.
     pub fn sample_light(&self, from: &Interaction, receiver: Receiver, choice: u32, u: Vec2) -> Option<LightSample> {
-        let choice = u64::from(choice);
+        let choice = match self.delta.split(choice) {
+            Ok(choice) => return self.delta.sample(from, receiver, choice, u),
+            Err(rest) => u64::from(rest),
+        };
         if choice < self.sky_choices {
             return self.sky?.sample(from, receiver, u).map(|sample| scaled(sample, self.sky_share()));
         }
@@ -112,11 +123,11 @@ impl<'a> Lights<'a> {
     }
 
     fn sky_share(&self) -> f32 {
-        (self.sky_choices as f64 / CHOICES as f64) as f32
+        self.delta.rest() * (self.sky_choices as f64 / CHOICES as f64) as f32
     }
 
     fn triangle_share(&self, index: usize) -> f32 {
-        (1.0 - self.sky_share()) * self.triangles.probability(index)
+        (self.delta.rest() - self.sky_share()) * self.triangles.probability(index)
     }
 }
 

@@ -6,13 +6,15 @@ use std::time::Instant;
 
 use stack::file::extension;
 
-use super::description::{RawRender, SceneDescription, SkyDescription, read_description};
+use super::description::{Light, RawRender, SceneDescription, SkyDescription, Stand, read_description};
 use super::environment_file::read_environment;
 use super::notes::Notes;
 use super::obj::{find_file, read_obj};
+use super::textures::TextureFiles;
 use super::{Dropped, Instance, Mesh, Placement, Scene, SceneError};
 use crate::camera::CameraDescription;
 use crate::environment::Environment;
+use crate::light::DeltaLight;
 use crate::material::Material;
 
 /// A scene and what its files say besides.
@@ -63,11 +65,14 @@ fn load_toml(path: &Path) -> Result<Loaded, SceneError> {
     let mut parts = Parts::default();
     for geometry in &description.geometry {
         let mesh = parts.mesh(&folder.join(&geometry.file))?;
-        parts.instances.push(Instance { mesh, placement: geometry.placement, motion: geometry.motion });
+        let instance = |stand: &Stand| Instance { mesh, placement: stand.placement, motion: stand.motion };
+        parts.instances.extend(geometry.stands.iter().map(instance));
     }
+    let mut textures = TextureFiles::new(folder);
     for change in std::mem::take(&mut description.material_changes) {
-        change.apply(&mut parts.materials)?;
+        change.apply(&mut parts.materials, &mut textures)?;
     }
+    std::mem::take(&mut description.lights).into_iter().for_each(|light| parts.light(light));
     let environment = description.environment.take().map(|sky| parts.environment(folder, sky)).transpose()?;
     parts.finish(description, environment)
 }
@@ -80,6 +85,7 @@ struct Parts {
     files: HashMap<PathBuf, usize>,
     instances: Vec<Instance>,
     materials: Vec<Material>,
+    delta_lights: Vec<DeltaLight>,
     notes: Notes,
 }
 
@@ -101,6 +107,20 @@ impl Parts {
         Ok(self.meshes.len() - 1)
     }
 
+    fn light(&mut self, light: Light) {
+        match light {
+            Light::Delta(light) => self.delta_lights.push(light),
+            Light::Area(mut lamp) => {
+                let material = self.materials.len() as u32;
+                self.materials.push(lamp.material(format!("light {}", self.meshes.len())));
+                lamp.mesh.materials.fill(material);
+                let stand = Instance { mesh: self.meshes.len(), placement: Placement::IDENTITY, motion: None };
+                self.instances.push(stand);
+                self.meshes.push(lamp.mesh);
+            }
+        }
+    }
+
     /// The sky; its map's file is looked for in `folder`.
     fn environment(&mut self, folder: &Path, sky: SkyDescription) -> Result<Environment, SceneError> {
         match sky {
@@ -116,7 +136,8 @@ impl Parts {
 
     fn finish(self, description: SceneDescription, environment: Option<Environment>) -> Result<Loaded, SceneError> {
         let start = Instant::now();
-        let scene = Scene::new(self.meshes, self.instances, self.materials, environment)?;
+        let mut scene = Scene::new(self.meshes, self.instances, self.materials, environment)?;
+        scene.delta_lights = self.delta_lights;
         let mut notes = self.notes;
         scene.dropped().said().into_iter().for_each(|note| notes.add(note));
         Ok(Loaded {
