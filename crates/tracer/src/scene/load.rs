@@ -72,7 +72,9 @@ fn load_toml(path: &Path) -> Result<Loaded, SceneError> {
     for change in std::mem::take(&mut description.material_changes) {
         change.apply(&mut parts.materials, &mut textures)?;
     }
-    std::mem::take(&mut description.lights).into_iter().for_each(|light| parts.light(light));
+    for (light, number) in std::mem::take(&mut description.lights).into_iter().zip(1..) {
+        parts.light(light, number);
+    }
     let environment = description.environment.take().map(|sky| parts.environment(folder, sky)).transpose()?;
     parts.finish(description, environment)
 }
@@ -107,12 +109,12 @@ impl Parts {
         Ok(self.meshes.len() - 1)
     }
 
-    fn light(&mut self, light: Light) {
+    fn light(&mut self, light: Light, number: usize) {
         match light {
             Light::Delta(light) => self.delta_lights.push(light),
             Light::Area(mut lamp) => {
                 let material = self.materials.len() as u32;
-                self.materials.push(lamp.material(format!("light {}", self.meshes.len())));
+                self.materials.push(lamp.material(format!("light {number}")));
                 lamp.mesh.materials.fill(material);
                 let stand = Instance { mesh: self.meshes.len(), placement: Placement::IDENTITY, motion: None };
                 self.instances.push(stand);

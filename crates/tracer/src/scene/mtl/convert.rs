@@ -83,8 +83,7 @@ impl MtlEntry {
 
     /// GGX α, where the material says anything about it.
     fn alpha(&self) -> Option<f32> {
-        let phong = |ns: f32| (2.0 / (ns + 2.0)).sqrt();
-        let alpha = self.roughness_alpha().or(self.shininess.filter(|&ns| ns > 0.0).map(phong));
+        let alpha = self.roughness_alpha().or(self.shininess.filter(|&ns| ns > 0.0).map(alpha_of_phong));
         alpha.map(|alpha| alpha.clamp(0.0, 1.0))
     }
 
@@ -133,6 +132,11 @@ impl MtlEntry {
             _ => Surface::Diffuse { reflectance: capped(diffuse) },
         }
     }
+}
+
+/// GGX α of the width of Phong's lobe.
+pub(super) fn alpha_of_phong(exponent: f32) -> f32 {
+    (2.0 / (exponent + 2.0)).sqrt()
 }
 
 #[cfg(test)]

@@ -44,6 +44,8 @@ pub(super) struct MtlEntry {
     pub(super) opacity_map: Option<TextureUse>,
     /// `map_Pr`
     pub(super) roughness_map: Option<TextureUse>,
+    /// `map_Ns`
+    pub(super) shininess_map: Option<TextureUse>,
     /// `map_Pm`
     pub(super) metallic_map: Option<TextureUse>,
     /// `norm`
@@ -55,7 +57,7 @@ pub(super) struct MtlEntry {
 }
 
 /// Keys that would change the look but are not supported.
-const IGNORED: [&str; 4] = ["disp", "map_ns", "map_tr", "refl"];
+const IGNORED: [&str; 3] = ["disp", "map_tr", "refl"];
 
 impl MtlEntry {
     /// A material that says nothing but its name.
@@ -82,6 +84,7 @@ impl MtlEntry {
             "map_ke" => self.emission_map = texture_line::parse(value.text),
             "map_d" => self.opacity_map = texture_line::parse(value.text),
             "map_pr" => self.roughness_map = texture_line::parse(value.text),
+            "map_ns" => self.shininess_map = texture_line::parse(value.text),
             "map_pm" => self.metallic_map = texture_line::parse(value.text),
             "norm" | "map_norm" | "map_kn" => self.normal_map = texture_line::parse(value.text),
             "bump" | "map_bump" => self.bump_map = texture_line::parse(value.text),

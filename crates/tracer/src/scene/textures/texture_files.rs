@@ -25,7 +25,7 @@ pub(in super::super) struct TextureFiles<'a> {
     folder: &'a Path,
     colours: Made<(), [f32; 3]>,
     normals: Made<Relief, [f32; 3]>,
-    greys: Made<Option<Channel>, f32>,
+    greys: Made<Numbers, f32>,
 }
 
 /// How normals are read from an image.
@@ -35,6 +35,15 @@ enum Relief {
     Normals(u32),
     /// Heights, scaled by the number of these bits.
     Heights(u32),
+}
+
+/// How single numbers are read from an image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Numbers {
+    /// As they stand.
+    Plain(Channel),
+    /// As shares of the Phong exponent in these bits; the numbers are its roughness over that of the whole exponent.
+    Exponents(Channel, u32),
 }
 
 impl<'a> TextureFiles<'a> {
@@ -87,7 +96,27 @@ impl<'a> TextureFiles<'a> {
     /// In words, why there are none.
     pub(in super::super) fn greys(&mut self, texture: &TextureUse, usual: Channel) -> Result<Arc<GreyTexture>, String> {
         let channel = texture.channel.unwrap_or(usual);
-        made(self.folder, texture, Some(channel), &mut self.greys, |image| Ok(channel_of(image, channel)))
+        made(self.folder, texture, Numbers::Plain(channel), &mut self.greys, |image| Ok(channel_of(image, channel)))
+    }
+
+    /// Of an image of shares of the Phong exponent `exponent`, what the square root of `alpha(exponent)` is to be multiplied
+    /// with.
+    ///
+    /// # Errors
+    /// In words, why there is none.
+    pub(in super::super) fn roughness_of_exponents(
+        &mut self,
+        texture: &TextureUse,
+        exponent: f32,
+        alpha: impl Fn(f32) -> f32,
+    ) -> Result<Arc<GreyTexture>, String> {
+        let channel = texture.channel.unwrap_or(Channel::Luminance);
+        let kind = Numbers::Exponents(channel, exponent.to_bits());
+        made(self.folder, texture, kind, &mut self.greys, |image| {
+            let (size, shares) = channel_of(image, channel);
+            let roughness = |share: f32| (alpha(share.max(0.0) * exponent) / alpha(exponent)).sqrt();
+            Ok((size, shares.into_iter().map(roughness).collect()))
+        })
     }
 }
 
