@@ -83,7 +83,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.exr");
         let size = Size::new(2, 1);
-        let frame = || Frame { window: Window::whole(size), film: size, carried: &Carried::default() };
+        let carried = Carried::default();
+        let frame = || Frame { window: Window::whole(size), film: size, carried: &carried };
         let write = |names: &[&str]| {
             let plane = |i: usize| [i as f32, 0.5];
             let planes: Vec<[f32; 2]> = (0..names.len()).map(plane).collect();

@@ -48,7 +48,7 @@ pub enum SceneError {
         source: std::io::Error,
     },
     /// The file's name does not say what it holds.
-    #[error("{}: expected a file that ends in .obj or .toml", path.display())]
+    #[error("{}: expected a file that ends in .obj or .toml; convert other scenes to OBJ", path.display())]
     UnknownFormat {
         /// The file.
         path: PathBuf,

@@ -34,6 +34,8 @@ pub struct Loaded {
     pub triangles: usize,
     /// Triangles no ray can hit, left out.
     pub dropped: Dropped,
+    /// Textures of materials that are missing or cannot be read.
+    pub missing_textures: usize,
 }
 
 /// Loads the scene at `path`: an OBJ file by itself, or a `.toml` file that puts several together.
@@ -146,6 +148,7 @@ impl Parts {
             build_seconds: start.elapsed().as_secs_f64(),
             triangles: scene.triangles(),
             dropped: scene.dropped(),
+            missing_textures: notes.missing_textures(),
             scene,
             cameras: description.cameras,
             notes: notes.into_lines(),

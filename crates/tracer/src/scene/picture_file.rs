@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use image::{DynamicImage, ImageReader, Rgb32FImage, Rgba32FImage};
+use image::{DynamicImage, ImageDecoder, ImageReader, Rgb32FImage, Rgba32FImage};
 use stack::file::{extension, read_picture_with_alpha};
 
 /// Decodes a picture, told apart by its content.
@@ -16,9 +16,20 @@ pub(super) fn decode(file: &Path) -> Result<DynamicImage, String> {
         return decode_floats(file);
     }
     let reader = ImageReader::open(file).and_then(ImageReader::with_guessed_format).map_err(|e| e.to_string())?;
-    let image = reader.decode().map_err(|e| e.to_string())?;
+    let decoder = reader.into_decoder().map_err(|e| e.to_string())?;
+    let (width, height) = decoder.dimensions();
+    let bits = u64::from(width) * u64::from(height) * u64::from(decoder.original_color_type().bits_per_pixel());
+    let length = file.metadata().map_err(|e| e.to_string())?.len();
+    if bits / 8 > length.saturating_mul(MOST_COMPRESSED) {
+        return Err(format!("its header claims {width}x{height} pixels, but it has {length} bytes"));
+    }
+    let image = DynamicImage::from_decoder(decoder).map_err(|e| e.to_string())?;
     if image.width() == 0 || image.height() == 0 { Err("it has no pixels".into()) } else { Ok(image) }
 }
+
+/// Bytes of pixels that one byte of a file can stand for: deflate reaches 1032, JPEG 1536 (blocks of 8 × 8 in a bit for
+/// each of three colours).
+const MOST_COMPRESSED: u64 = 1600;
 
 /// How OpenEXR files begin.
 const OPEN_EXR: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
@@ -86,6 +97,17 @@ fn srgb_to_linear(c: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_header_that_claims_more_than_the_file_holds_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        image::GrayImage::new(3_000, 3_000).save(&path).unwrap();
+        assert_eq!(decode(&path).unwrap().width(), 3_000, "zeros are compressed as far as can be");
+        let bytes = std::fs::read(&path).unwrap();
+        std::fs::write(&path, &bytes[..2_000]).unwrap();
+        assert!(decode(&path).unwrap_err().starts_with("its header claims 3000x3000 pixels"));
+    }
 
     #[test]
     fn eight_bits_are_decoded_from_srgb() {

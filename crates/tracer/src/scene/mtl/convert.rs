@@ -43,7 +43,7 @@ impl MtlEntry {
         match files.colours(line) {
             Ok(texture) => Colour { texture: Some(texture), ..colour },
             Err(why) => {
-                notes.add(format!("material '{}': {why}; its colour is used", self.name));
+                notes.add_missing_texture(format!("material '{}': {why}; its colour is used", self.name));
                 colour
             }
         }

@@ -53,7 +53,9 @@ impl MtlEntry {
     }
 
     fn found<T>(&self, texture: Result<T, String>, notes: &mut Notes) -> Option<T> {
-        texture.map_err(|why| notes.add(format!("material '{}': {why}; it is left out", self.name))).ok()
+        texture
+            .map_err(|why| notes.add_missing_texture(format!("material '{}': {why}; it is left out", self.name)))
+            .ok()
     }
 
     /// `d` of what is no glass. Zero is a habit of exporters, not a wish to see nothing.

@@ -16,6 +16,7 @@ use super::SceneError;
 /// - `nan`, `1.#INF` and their like become NaN, so that their triangles can be dropped; `vt` with one number gets two.
 /// - Faces are checked: every index must be a whole number other than zero and point to something. tobj would wrap
 ///   some, and reports the others without a line.
+/// - Indices of texture coordinates and of normals are left out where the file has none at all.
 /// - Where corners begin to have, or not to have, texture coordinates or normals, a new group is begun: tobj would
 ///   otherwise misalign them.
 pub(super) struct CleanLines<'t> {
@@ -30,6 +31,10 @@ pub(super) struct CleanLines<'t> {
     /// Of each kind, indices greater than all before that pointed ahead when they were used, and the lines where.
     ahead: [Vec<(usize, usize)>; 3],
     format: Option<[bool; 2]>,
+    /// Whether the file has any texture coordinates and any normals.
+    has: [bool; 2],
+    /// Whether faces refer to those that it has none of.
+    misses: [bool; 2],
     skipped_faces: usize,
     /// Statements left out that would show something: points, lines, curves and surfaces.
     skipped: [usize; 3],
@@ -51,6 +56,8 @@ impl<'t> CleanLines<'t> {
             counts: [0; 3],
             ahead: Default::default(),
             format: None,
+            has: ["vt", "vn"].map(|key| text.split(['\n', '\r']).any(|line| line.trim_start().starts_with(key))),
+            misses: [false; 2],
             skipped_faces: 0,
             skipped: [0; 3],
             materials: BTreeSet::new(),
@@ -67,6 +74,10 @@ impl<'t> CleanLines<'t> {
     pub(super) fn note(&self, known: &MtlLibrary, notes: &mut Notes) {
         for name in self.materials.iter().filter(|name| !known.has(name)) {
             notes.add(format!("{}: no library has material '{name}'; grey is used", self.path.display()));
+        }
+        for (kind, _) in [1, 2].into_iter().zip(self.misses).filter(|(_, misses)| *misses) {
+            let path = self.path.display();
+            notes.add(format!("{path}: faces refer to {}s, of which the file has none; they do without", KINDS[kind]));
         }
         let [points, lines, curved] = self.skipped;
         let left_out = [
@@ -169,8 +180,9 @@ impl<'t> CleanLines<'t> {
         }
         let group = if self.format.is_some_and(|format| format != common) { "g\n" } else { "" };
         self.format = Some(common);
-        let corners =
-            known.iter().map(|&(corner, known)| if known == common { corner.into() } else { keep(corner, common) });
+        let corners = known.iter().map(|&(corner, known)| {
+            if known == common && self.has == [true; 2] { corner.into() } else { keep(corner, common) }
+        });
         Ok(Some(format!("{group}f {}\n", corners.collect::<Vec<String>>().join(" "))))
     }
 
@@ -185,6 +197,10 @@ impl<'t> CleanLines<'t> {
                 Ok(index) if kind < 3 => index,
                 _ => return Err(self.malformed("corners like 1, 1/2, 1//3 or 1/2/3", corner)),
             };
+            if kind > 0 && !self.has[kind - 1] {
+                self.misses[kind - 1] = true;
+                continue;
+            }
             let absolute = if index < 0 { self.counts[kind] as i64 + 1 + index } else { index };
             if absolute < 1 {
                 return Err(self.out_of_range(kind, index, self.number));

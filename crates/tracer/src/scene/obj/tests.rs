@@ -69,8 +69,8 @@ fn mistakes_are_told_with_their_line() {
         "a.obj:5: expected a vertex that exists (there are 4), found number -5"
     );
     assert_eq!(
-        refusal(&with_corners("f 1/1 2/1 3/1\n")),
-        "a.obj:5: expected a texture coordinate that exists (there are 0), found number 1"
+        refusal(&with_corners("vt 0 0\nf 1/1 2/2 3/1\n")),
+        "a.obj:6: expected a texture coordinate that exists (there are 1), found number 2"
     );
     assert_eq!(refusal(&with_corners("f 1 b 3\n")), "a.obj:5: expected corners like 1, 1/2, 1//3 or 1/2/3, found 'b'");
 }
@@ -96,6 +96,15 @@ fn what_tobj_trips_over_is_mended() {
     let uv = |t: usize| file.mesh.uvs[file.mesh.triangles[t][0] as usize].x;
     assert_eq!([uv(0), uv(2), uv(3)], [0.0, 0.5, 0.0]);
     assert_eq!(notes.len(), 2, "{notes:?}");
+}
+
+#[test]
+fn normals_that_the_file_has_none_of_are_done_without() {
+    let (file, notes) = read(&with_corners("vt 0 0\nf 1/1/1 2/1/2 3/1/9\nf 1//1 2//1 3//1\n"), &[]);
+    assert_eq!((file.mesh.triangles.len(), file.mesh.normals.len()), (2, 0));
+    assert!(notes[0].ends_with("a.obj: faces refer to normals, of which the file has none; they do without"));
+    let (file, notes) = read(&with_corners("f 1/1 2/1 3/1\n"), &[]);
+    assert_eq!((file.mesh.triangles.len(), notes.len()), (1, 1));
 }
 
 #[test]
