@@ -4,6 +4,8 @@
 //! cargo run --release --manifest-path fuzz/Cargo.toml -- TARGET COUNT [SEED]
 //! ```
 //!
+//! or, to read single files again, `-- TARGET FILE...`.
+//!
 //! Every input must end in a scene, a picture or an error: a panic, more than 10 seconds, or more memory than the input's size
 //! explains is a fault, and its input is kept in `fuzz/faults`. The same seed makes the same inputs.
 
@@ -26,16 +28,23 @@ static MEMORY: PeakAlloc = PeakAlloc;
 
 fn main() -> ExitCode {
     let words: Vec<String> = env::args().skip(1).collect();
+    let target = words.first().and_then(|name| Target::named(name));
     let parsed = || {
-        let target = Target::named(words.first()?)?;
         let seed = words.get(2).map_or(Some(0), |word| word.parse().ok())?;
-        Some((target, words.get(1)?.parse().ok()?, seed))
+        Some((words.get(1)?.parse().ok()?, seed))
     };
-    let Some((target, count, seed)) = parsed() else {
-        eprintln!("usage: fuzz TARGET COUNT [SEED], TARGET being one of {}", Target::names());
-        return ExitCode::from(2);
+    let outcome = match (target, parsed()) {
+        (Some(target), Some((count, seed))) => run(target, count, seed),
+        (Some(target), None) if words.len() > 1 => replay(target, &words[1..]),
+        _ => {
+            eprintln!(
+                "usage: fuzz TARGET COUNT [SEED], or fuzz TARGET FILE..., TARGET being one of {}",
+                Target::names()
+            );
+            return ExitCode::from(2);
+        }
     };
-    match run(target, count, seed) {
+    match outcome {
         Ok(0) => ExitCode::SUCCESS,
         Ok(_) => ExitCode::FAILURE,
         Err(error) => {
@@ -43,6 +52,16 @@ fn main() -> ExitCode {
             ExitCode::from(3)
         }
     }
+}
+
+/// Reads `files` and says what becomes of each; a panic ends it.
+fn replay(target: Target, files: &[String]) -> io::Result<u64> {
+    let folder = target.prepare(Path::new(env!("CARGO_MANIFEST_DIR")))?;
+    for file in files {
+        fs::copy(file, folder.path().join(target.file()))?;
+        println!("{file}: {}", target.read(folder.path()).err().unwrap_or("read".into()));
+    }
+    Ok(0)
 }
 
 /// Tries `count` inputs; how many were faults.

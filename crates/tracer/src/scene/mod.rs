@@ -76,7 +76,7 @@ impl Scene {
         let (meshes, stands) = instance::merge_single(meshes, &instances);
         let meshes: Vec<_> =
             meshes.into_iter().map(|mesh| IndexedMesh::build(mesh, &materials, &mut dropped)).collect();
-        let (placed, emitters) = instance::place(&meshes, &stands, &materials);
+        let (placed, emitters) = instance::place(&meshes, &stands, &materials, &mut dropped);
         let bounds = placed.iter().map(|p| p.bounds).reduce(Bounds::union);
         let bounds = bounds.ok_or(SceneError::Empty { dropped })?;
         let tree = InstanceTree::build(&placed);

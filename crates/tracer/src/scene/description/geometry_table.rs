@@ -83,7 +83,7 @@ impl GeometryTable {
 
     /// Where `map`, which is written at `offset`, puts it.
     fn stand(&self, map: DAffine3, offset: usize, lines: &Lines) -> Result<Stand, SceneError> {
-        let singular = || lines.malformed(offset, "a transform that can be undone", "a singular one");
+        let singular = || lines.malformed(offset, "a transform that can be undone", "a singular or too large one");
         let placement = Placement::new(map).ok_or_else(singular)?;
         let motion = self.motion().map(|motion| motion.motion(map.translation, lines)).transpose()?;
         Ok(Stand { placement, motion })

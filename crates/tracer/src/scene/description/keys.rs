@@ -9,8 +9,8 @@ use toml::Spanned;
 use super::super::SceneError;
 use super::mistakes::Lines;
 
-/// Any number that is one.
-pub(super) const FINITE: RangeInclusive<f64> = f64::MIN..=f64::MAX;
+/// Any number that can be computed with in f32.
+pub(super) const FINITE: RangeInclusive<f64> = -1e37..=1e37;
 /// 0 or more.
 pub(super) const NOT_NEGATIVE: RangeInclusive<f64> = 0.0..=f64::MAX;
 /// More than 0.
@@ -126,7 +126,7 @@ pub(super) fn key_name(field: &'static str) -> &'static str {
 /// A range in words; nothing for [`FINITE`].
 pub(super) fn in_words(range: &RangeInclusive<f64>) -> String {
     match (*range.start(), *range.end()) {
-        (f64::MIN, f64::MAX) => String::new(),
+        _ if *range == FINITE => String::new(),
         (f64::MIN_POSITIVE, f64::MAX) => "> 0".into(),
         (least, f64::MAX) => format!("≥ {least}"),
         (least, most) => format!("{least} … {most}"),
@@ -144,7 +144,7 @@ pub(super) fn check_range<T: TomlValue>(
     let numbers = value.get_ref().numbers();
     let Some(wrong) = numbers.iter().find(|n| !range.contains(n)) else { return Ok(()) };
     let words = match in_words(range) {
-        finite if finite.is_empty() => format!("finite numbers for {key}"),
+        any if any.is_empty() => format!("numbers of at most 1e37 for {key}"),
         words => format!("{key} {words}"),
     };
     Err(lines.malformed(value.span().start, &words, &wrong.to_string()))

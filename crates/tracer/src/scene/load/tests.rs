@@ -65,7 +65,7 @@ fn geometry_and_cameras_may_move() {
     assert!(refusal(&format!("{GEOMETRY}motion = {{ turn = [0, 1, 0] }}\n")).contains("no key 'turn'"));
     assert!(
         refusal(&format!("{GEOMETRY}motion = {{ rotate = [0, inf, 0] }}\n"))
-            .starts_with("scene.toml:3: expected finite numbers for rotate")
+            .starts_with("scene.toml:3: expected numbers of at most 1e37 for rotate")
     );
 }
 
@@ -228,8 +228,24 @@ fn instances_cost_their_triangles_once() {
     assert!((loaded.scene.intersect(&ray).unwrap().distance - 4.0).abs() < 1e-5);
     assert_eq!(
         refusal(&stands("{}, { scale = 0 }")),
-        "scene.toml:4: expected a transform that can be undone, found a singular one"
+        "scene.toml:4: expected a transform that can be undone, found a singular or too large one"
     );
+    // Found by damaging files: these used to end in a panic.
+    for (large, said) in [
+        ("{ translate = [2, 0, -1e39] }", "numbers of at most 1e37 for translate"),
+        ("{ scale = [-1e39, 2, 1] }", "numbers of at most 1e37 for scale"),
+        ("{ scale = 1e-39 }", "singular or too large"),
+        ("{ matrix = [1, 0, 0, 1e39, 0, 1, 0, 0, 0, 0, 1, 0] }", "singular or too large"),
+    ] {
+        assert!(refusal(&stands(&format!("{{}}, {large}"))).contains(said), "{large}");
+    }
+    for far in
+        ["{ matrix = [1, 1e38, 0, 0, 0, 1, 0, 0, 0, 0, 1, 3] }", "{ matrix = [1, 0, 0, 3e38, 0, 1, 0, 0, 0, 0, 1, 0] }"]
+    {
+        let loaded = self::loaded(&stands(&format!("{{}}, {{ translate = [0, 0, 5] }}, {far}")));
+        assert_eq!((loaded.triangles, loaded.dropped.not_finite), (4, 2), "{far}");
+    }
+    assert!(refusal(&format!("{GEOMETRY}motion = {{ translate = [0, 1e300, 0] }}\n")).contains("at most 1e37"));
     assert!(refusal(&stands("{ move = [0, 0, 0] }")).starts_with("scene.toml:4: there is no key 'move'"));
     assert!(refusal(&stands("")).contains("no visible triangle"));
 }
@@ -329,7 +345,10 @@ fn values_that_cannot_be_are_told_with_their_line() {
     assert!(camera("look_at = [0, 0, 0]\nfov = \"wide\"\n").starts_with("scene.toml:6:"));
     assert!(camera("").contains("look_at"));
     let geometry = |transform: &str| refusal(&format!("{GEOMETRY}transform = {{ {transform} }}\n"));
-    assert_eq!(geometry("scale = 0"), "scene.toml:3: expected a transform that can be undone, found a singular one");
+    assert_eq!(
+        geometry("scale = 0"),
+        "scene.toml:3: expected a transform that can be undone, found a singular or too large one"
+    );
     assert!(geometry("matrix = [1, 2]").contains("12 or 16 numbers"));
     assert!(geometry("matrix = [1,0,0,0, 0,1,0,0, 0,0,1,0], scale = 2").contains("either matrix or its parts"));
     assert!(

@@ -16,6 +16,7 @@ use super::SceneError;
 /// - `nan`, `1.#INF` and their like become NaN, so that their triangles can be dropped; `vt` with one number gets two.
 /// - Faces are checked: every index must be a whole number other than zero and point to something. tobj would wrap
 ///   some, and reports the others without a line.
+/// - Colours of vertices are left out.
 /// - Indices of texture coordinates and of normals are left out where the file has none at all.
 /// - Where corners begin to have, or not to have, texture coordinates or normals, a new group is begun: tobj would
 ///   otherwise misalign them.
@@ -129,7 +130,7 @@ impl<'t> CleanLines<'t> {
             let (key, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
             let rest = rest.trim();
             let cleaned = match key {
-                "v" => self.counted(0, format!("v {}\n", mend_numbers(rest))),
+                "v" => self.counted(0, format!("v {}\n", without_colour(&mend_numbers(rest)))),
                 "vt" if !rest.contains(char::is_whitespace) => {
                     self.counted(1, format!("vt {} 0\n", mend_numbers(rest)))
                 }
@@ -238,6 +239,12 @@ fn expected_by(error: &tobj::LoadError) -> &'static str {
         tobj::LoadError::NormalParseError => "vn and three numbers",
         _ => "an OBJ statement",
     }
+}
+
+/// The numbers of a vertex without its colour, which tobj wants of every vertex or of none.
+fn without_colour(numbers: &str) -> String {
+    let words: Vec<&str> = numbers.split(' ').collect();
+    if words.len() > 4 { words[..3].join(" ") } else { numbers.into() }
 }
 
 /// Numbers as Rust reads them: what means NaN or infinity becomes NaN.

@@ -108,6 +108,12 @@ fn normals_that_the_file_has_none_of_are_done_without() {
 }
 
 #[test]
+fn some_vertices_may_have_colours() {
+    let (file, notes) = read(b"v 0 0 0 1 0.5 0\nv 2 0 0\nv 0 4 0 2\nf 1 2 3\n", &[]);
+    assert_eq!((file.mesh.positions[2].y, notes.len()), (2.0, 0), "the fourth of four numbers is a divisor");
+}
+
+#[test]
 fn utf_16_is_read() {
     let obj: Vec<u8> = with_corners("f 1 2 3").iter().flat_map(|&b| [b, 0]).collect();
     let (file, _) = read(&[&[0xff, 0xfe], obj.as_slice()].concat(), &[]);
