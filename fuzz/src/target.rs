@@ -44,8 +44,8 @@ impl Target {
             }
             Self::Exr => ("exr", "a.exr", &[]),
             Self::Hdr => ("hdr", "a.hdr", &[]),
-            // Formats are told apart by content.
-            Self::Picture => ("picture", "a.png", &[]),
+            // Formats are told apart by content, but for TGA, which is recognised by nothing else.
+            Self::Picture => ("picture", "a.tga", &[]),
             Self::Pfm => ("pfm", "a.pfm", &[]),
         };
         Setting { name, file, beside }
