@@ -33,6 +33,35 @@ fn render_prints_one_json_object_and_nothing_else() {
 }
 
 #[test]
+fn what_a_render_left_out_is_counted() {
+    let workplace = Workplace::new();
+    workplace.write(
+        "odd.obj",
+        "mtllib odd.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv nan 0 0\nusemtl m\nf 1 2 3\nf 1 2 2\nf 1 2 4\nf 2 3 4\n",
+    );
+    workplace.write("odd.mtl", "newmtl m\nKd 1 1 1\nmap_Kd gone.png\nbump none.png\n");
+    workplace.write(
+        "odd.toml",
+        "[[camera]]\nname = \"near\"\neye = [0, 0, 3]\nlook_at = [0, 0, 0]\n[[camera]]\nname = \"far\"\neye = [0, 0, 30]\n\
+         look_at = [0, 0, 0]\n[[geometry]]\nfile = \"odd.obj\"\ninstances = [{}, { translate = [0, 0, -1] }]\n",
+    );
+    let render = |more: &str| {
+        json(&workplace.must(&format!("render odd.toml --size 16x16 --spp 2 -o a.exr --json {more}")).stdout())
+    };
+    let report = render("--camera far");
+    assert_eq!(report["triangles"], serde_json::json!({"total": 2, "stored": 1, "degenerate": 1, "not_finite": 2}));
+    assert_eq!((report["textures_missing"].as_u64(), report["not_finite"].as_u64()), (Some(2), Some(0)));
+    let pictures = ["--camera far", "--camera near", ""].map(|camera| {
+        render(&format!("{camera} --uniform --no-denoise"));
+        workplace.bytes("a.exr")
+    });
+    assert!(pictures[0] != pictures[1] && pictures[1] == pictures[2], "the first camera is the one used");
+    let run = workplace.tamis("render odd.toml --camera middle -o a.exr");
+    assert_eq!(run.code(), Some(2));
+    assert!(run.errors()[0].contains("no camera 'middle'; it has: near, far"), "{}", run.stderr());
+}
+
+#[test]
 fn adaptive_sampling_spends_the_whole_budget() {
     let workplace = Workplace::new();
     let run = workplace.must("render box.obj --size 40x40 --spp 16 -o a.exr --json --quiet");

@@ -64,7 +64,7 @@ pub fn run(args: &RenderArgs, matches: &ArgMatches) -> Result<Verdict> {
     };
     say_what_was_done(&progress, &finished, &written, clock.total);
     if args.report.json {
-        print_line(report::render(&outputs, &written, &plan, &finished, &clock, &progress))?;
+        print_line(report::render(&outputs, &written, &plan, &finished, &clock, &progress, &view))?;
     }
     Ok(if finished.missed_target { Verdict::No } else { Verdict::Done })
 }

@@ -3,8 +3,9 @@
 use reconstruct::adaptive::estimated_rmse as relative_mse;
 use serde_json::{Map, Value, json};
 use stack::Image;
+use tracer::scene::Scene;
 
-use super::{Finished, Plan};
+use super::{Finished, Plan, View};
 use crate::memory;
 use crate::output::{Outputs, Written};
 use crate::progress::Progress;
@@ -30,6 +31,7 @@ pub fn render(
     finished: &Finished,
     clock: &Clock,
     progress: &Progress,
+    view: &View,
 ) -> Value {
     let size = written.stack.size();
     let (mean, min, max) = written.stack.samples.mean_min_max();
@@ -48,6 +50,8 @@ pub fn render(
         "samples": finished.samples,
         "rays": finished.rays,
         "not_finite": finished.not_finite,
+        "triangles": triangles(&view.scene),
+        "textures_missing": view.missing_textures,
         "seconds": {
             "load": clock.load, "build": clock.build, "trace": trace, "reconstruct": reconstruct,
             "write": clock.write, "total": clock.total,
@@ -60,6 +64,16 @@ pub fn render(
         "seed": plan.settings.trace.seed,
         "preset": plan.preset,
         "settings": plan.settings.to_json(),
+    })
+}
+
+/// How many triangles there are, counting those of every instance, how many are stored, and how many were left out because
+/// they have no area or coordinates that are not finite.
+fn triangles(scene: &Scene) -> Value {
+    let dropped = scene.dropped();
+    json!({
+        "total": scene.triangles(), "stored": scene.stored_triangles(),
+        "degenerate": dropped.degenerate, "not_finite": dropped.not_finite,
     })
 }
 

@@ -21,6 +21,8 @@ pub struct View {
     pub render: Option<RawRender>,
     pub load_seconds: f64,
     pub build_seconds: f64,
+    /// Textures that are missing or cannot be read.
+    pub missing_textures: usize,
     camera: CameraDescription,
 }
 
@@ -43,9 +45,9 @@ pub fn open(args: &RenderArgs, progress: &Progress) -> Result<View> {
     let mut loaded = read(&args.scene, progress)?;
     set_sky(&mut loaded.scene, args, progress)?;
     let camera = choose_camera(&loaded, args, progress)?;
-    let build_seconds = loaded.build_seconds;
+    let (build_seconds, missing_textures) = (loaded.build_seconds, loaded.missing_textures);
     let load_seconds = start.elapsed().as_secs_f64() - build_seconds;
-    Ok(View { scene: loaded.scene, render: loaded.render, load_seconds, build_seconds, camera })
+    Ok(View { scene: loaded.scene, render: loaded.render, load_seconds, build_seconds, missing_textures, camera })
 }
 
 /// Opens the scene in `file` as it is.

@@ -76,7 +76,8 @@ pub fn steadied(
     let SpreadSettings { levels, significance, feature_scale, .. } = *settings;
     let kernel = GuidedKernel::surfaces_and_brightness(features, picture, feature_scale, settings.brightness.powi(2));
     let mut steady = Image::zeros(picture.size(), 3);
-    let cascade = CascadeSettings { significance_of_two: significance, levels, feature_scale, ..CascadeSettings::default() };
+    let cascade =
+        CascadeSettings { significance_of_two: significance, levels, feature_scale, ..CascadeSettings::default() };
     add_significant_residual(&mut steady, Parts::adding_up(halves), &brightness, &kernel, &cascade, monitor)?;
     Ok(steady)
 }

@@ -24,8 +24,11 @@ use crate::{Size, Window};
 /// Blocks that are decoded at a time: enough for many threads, few enough not to hold the file twice.
 const BATCH: usize = 8;
 
-/// Bytes that one byte of a file can stand for: deflate reaches 1032, the others of bounded codecs less.
+/// Bytes that one byte of a file can stand for: deflate reaches 1032, the other codecs less, but for DWA.
 const MOST_COMPRESSED: u128 = 1100;
+
+/// The same of DWA: two deflated bytes for a block of 8 × 8 floats.
+const MOST_COMPRESSED_BY_DWA: u128 = MOST_COMPRESSED * 128;
 
 /// Bytes that any file may claim.
 const SLACK: u128 = 1 << 20;
@@ -87,10 +90,12 @@ fn requirements(headers: &[Header], path: &Path) -> Result<exr::meta::Requiremen
 
 /// Refuses a file of `length` bytes that is too short for the pixels its headers claim, before room is made for them.
 fn check_length(path: &Path, headers: &[Header], length: u64) -> Result<(), FileError> {
-    let most = u128::from(length) * MOST_COMPRESSED + SLACK;
-    let is_bounded = |header: &&Header| !matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_));
-    let bytes = |header: &Header| header.layer_size.area() as u128 * header.channels.bytes_per_pixel as u128;
-    if headers.iter().filter(is_bounded).map(bytes).sum::<u128>() > most {
+    let needs = |header: &Header| {
+        let is_dwa = matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_));
+        let most = if is_dwa { MOST_COMPRESSED_BY_DWA } else { MOST_COMPRESSED };
+        header.layer_size.area() as u128 * header.channels.bytes_per_pixel as u128 / most
+    };
+    if headers.iter().map(needs).sum::<u128>() > u128::from(length) + SLACK / MOST_COMPRESSED {
         return Err(broken(path, "it is too short for the size its header claims"));
     }
     Ok(())
@@ -204,6 +209,9 @@ pub(super) fn understand(path: &Path, error: exr::error::Error) -> FileError {
         Error::Io(source) => FileError::io(path, "write", source),
         Error::NotSupported(what) if what.contains("deep") => {
             unsupported(path, "deep pixels", "flatten the picture first")
+        }
+        Error::NotSupported(what) if what.contains("compression") => {
+            unsupported(path, "files of this compression", "write it with ZIP, PIZ, PXR24, B44 or DWA compression")
         }
         Error::NotSupported(what) => {
             FileError::Unsupported { path: path.into(), what: what.into_owned(), remedy: "convert the file first" }

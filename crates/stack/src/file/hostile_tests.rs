@@ -201,6 +201,26 @@ fn more_than_there_is_memory_is_refused_before_it_is_asked_for() {
     assert!(start.elapsed() < LONGEST);
 }
 
+/// A file that claims 10,000 × 10,000 pixels under compression `number`, whose blocks have `lines` rows.
+fn compressed_by(number: u8, lines: i32) -> Vec<u8> {
+    let mut file = claims(10_000, 10_000);
+    let at = value_of(&file, "compression\0compression\0");
+    file[at] = number;
+    let at = value_of(&file, "chunkCount\0int\0");
+    file[at..at + 4].copy_from_slice(&((10_000 + lines - 1) / lines).to_le_bytes());
+    file
+}
+
+#[test]
+fn compressions_that_are_not_supported_are_told_from_damage() {
+    let unsupported = "files of this compression are not supported; write it with ZIP";
+    for (number, lines, said) in [(200, 16, unsupported), (8, 32, "it is too short")] {
+        let bytes = compressed_by(number, lines);
+        let refused = read_exr_from(Path::new("a.exr"), Cursor::new(bytes)).unwrap_err().to_string();
+        assert!(refused.contains(said) && refused.contains("a.exr"), "{refused}");
+    }
+}
+
 #[test]
 fn pictures_of_unusual_shape_are_read() {
     for (width, height) in [(1, 1), (1, 9), (9, 1), (65536, 1), (1, 4000)] {

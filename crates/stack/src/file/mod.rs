@@ -62,7 +62,7 @@ pub use loaded::ReadOptions;
 pub use mend::Mended;
 pub use passes::{Pass, PassError};
 pub use pfm::{read_pfm, write_pfm};
-pub use picture::{extension, read_picture, write_picture};
+pub use picture::{extension, read_picture, read_picture_with_alpha, write_picture};
 pub use read::{Inputs, ReadStack, read_buckets, read_inputs, read_stack};
 pub use recognise::Mapping;
 pub use role::{Convention, Measure, Role, Slot};

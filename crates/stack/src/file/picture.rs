@@ -7,18 +7,32 @@ use super::layers::{Frame, write_channels};
 use super::{Carried, FileError, Layers, read_pfm, write_pfm};
 use crate::{Image, Window};
 
-/// Reads the picture in an EXR file (its `R G B`, or the first layer that has them) or a PFM file.
+/// Reads the picture in an EXR file (its `R G B`, the first layer that has them, or a grey `Y`) or a PFM file.
 ///
 /// # Errors
 /// When the file cannot be read or holds no colour.
 pub fn read_picture(path: &Path) -> Result<Image, FileError> {
+    read_picture_with_alpha(path).map(|(picture, _)| picture)
+}
+
+/// As [`read_picture`], with the plane `A` that belongs to the picture, if there is one.
+///
+/// # Errors
+/// As [`read_picture`].
+pub fn read_picture_with_alpha(path: &Path) -> Result<(Image, Option<Vec<f32>>), FileError> {
     if extension(path) == "pfm" {
-        return read_pfm(path);
+        return Ok((read_pfm(path)?, None));
     }
     let mut layers = Layers::read(path)?;
-    let prefix = colour_prefix(&layers)?;
-    let planes = ["R", "G", "B"].iter().filter_map(|c| layers.take(&format!("{prefix}{c}"))).collect();
-    Ok(Image::from_channels(layers.window.size, planes))
+    let size = layers.window.size;
+    let (prefix, planes) = match colour_prefix(&layers) {
+        Ok(prefix) => {
+            let planes = ["R", "G", "B"].iter().filter_map(|c| layers.take(&format!("{prefix}{c}"))).collect();
+            (prefix, planes)
+        }
+        Err(no_colour) => (String::new(), vec![layers.take("Y").ok_or(no_colour)?; 3]),
+    };
+    Ok((Image::from_channels(size, planes), layers.take(&format!("{prefix}A"))))
 }
 
 /// What stands in front of `R`, `G` and `B` in the channels that hold the picture.
@@ -65,13 +79,34 @@ mod tests {
     use crate::Size;
 
     #[test]
+    fn grey_is_all_three_colours_and_alpha_comes_along() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.exr");
+        let size = Size::new(2, 1);
+        let carried = Carried::default();
+        let frame = || Frame { window: Window::whole(size), film: size, carried: &carried };
+        let write = |names: &[&str]| {
+            let plane = |i: usize| [i as f32, 0.5];
+            let planes: Vec<[f32; 2]> = (0..names.len()).map(plane).collect();
+            let channels = names.iter().zip(&planes).map(|(n, p)| ((*n).to_string(), BorrowedSamples::Float(p)));
+            write_channels(&path, frame(), None, channels.collect()).unwrap();
+        };
+        write(&["A", "Y"]);
+        let (grey, alpha) = read_picture_with_alpha(&path).unwrap();
+        assert_eq!((grey.channels()[0].clone(), grey.channels()[2].clone()), (vec![1.0, 0.5], vec![1.0, 0.5]));
+        assert_eq!(alpha, Some(vec![0.0, 0.5]));
+        write(&["Z", "depth"]);
+        assert!(read_picture(&path).unwrap_err().to_string().contains("R G B"));
+    }
+
+    #[test]
     fn a_picture_survives_a_round_trip_and_a_cut_file_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.exr");
         let planes = (0..3).map(|c| (0..12).map(|i| (c * 7 + i) as f32 * 0.3).collect()).collect();
         let image = Image::from_channels(Size::new(4, 3), planes);
         write_picture(&path, &image).unwrap();
-        assert_eq!(read_picture(&path).unwrap(), image);
+        assert_eq!(read_picture_with_alpha(&path).unwrap(), (image, None));
         let bytes = std::fs::read(&path).unwrap();
         std::fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
         assert!(matches!(read_picture(&path), Err(FileError::Damaged { .. })));

@@ -18,12 +18,13 @@ impl Placement {
         Self { rows, inverse: rows, mirrored: false }
     };
 
-    /// Takes a map, unless it is singular or not finite.
+    /// Takes a map, unless it or its inverse is not finite in f32.
     pub fn new(map: DAffine3) -> Option<Self> {
         let inverse = map.inverse();
         let determinant = map.matrix3.determinant();
-        let sound = map.is_finite() && inverse.is_finite() && determinant != 0.0;
-        sound.then(|| Self { rows: rows_of(&map), inverse: rows_of(&inverse), mirrored: determinant < 0.0 })
+        let [rows, inverse] = [map, inverse].map(|map| rows_of(&map));
+        let sound = determinant != 0.0 && [rows, inverse].as_flattened().as_flattened().iter().all(|n| n.is_finite());
+        sound.then_some(Self { rows, inverse, mirrored: determinant < 0.0 })
     }
 
     /// The map.

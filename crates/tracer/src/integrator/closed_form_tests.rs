@@ -10,6 +10,7 @@ use super::test_scenes::{
 };
 use super::{DirectLight, FeatureHit, TraceSettings};
 use crate::environment::{Environment, EnvironmentMap};
+use crate::light::DeltaLight;
 use crate::material::{Grey, Surface};
 use crate::scene::Scene;
 use crate::texture::{GreyTexture, Texture};
@@ -85,6 +86,40 @@ fn a_floor_under_a_lamp_is_as_bright_as_the_form_factor_says() {
         assert_eq!(feature(&stack, FeatureRole::Visibility, 5), [1.0]);
         assert!((feature(&stack, FeatureRole::Depth, 5)[0] - 10.0_f32.sqrt()).abs() < 1e-3);
     }
+}
+
+/// E = I cos θ/d² of the point, E cos θ of the sun; beside a lamp and a sky each adds what it does alone.
+#[test]
+fn lights_that_no_ray_hits_add_their_irradiance() {
+    let point = DeltaLight::Point { position: Vec3::new(1.0, 1.2, 0.5), intensity: Vec3::splat(2.0) };
+    let sun = Vec3::new(-1.0, -3.0, 0.0).normalize();
+    let sun = DeltaLight::Sun { direction: sun, irradiance: Vec3::splat(1.5), angle: 0.01 };
+    let of_point = 2.0 * 1.2 / (1.0_f64 + 1.2 * 1.2 + 0.25).powf(1.5);
+    let of_sun = 1.5 * 3.0 / 10.0_f64.sqrt();
+    let camera = peering(Vec3::new(3.0, 1.0, 0.0), DOWN);
+    let seen = |mut scene: Scene, lights: &[DeltaLight], direct_light| {
+        scene.delta_lights = lights.to_vec();
+        render(&scene, &camera, 1024, &TraceSettings { direct_light, ..DEFAULT }).0
+    };
+    let floor = || {
+        let floor = (diffuse(0.5), 0.0);
+        Pieces::default().quad(Vec3::new(-5.0, 0.0, 5.0), Vec3::X * 10.0, -Vec3::Z * 10.0, floor)
+    };
+    for direct_light in [DirectLight::Both, DirectLight::Lights] {
+        let expected = |irradiance: f64| 0.5 * irradiance / std::f64::consts::PI;
+        assert_scattered(&seen(floor().under(None), &[point], direct_light), expected(of_point), 1e-5);
+        assert_scattered(&seen(floor().under(None), &[point, sun], direct_light), expected(of_point + of_sun), 1e-4);
+        // The lamp hides neither light from the point seen.
+        let others = 0.5 * 3.0 * 4.0 * corner_form_factor(1.0, 0.5, 1.5);
+        let high = DeltaLight::Point { position: Vec3::new(4.0, 2.0, 0.0), intensity: Vec3::splat(9.0) };
+        let of_high = 9.0 * 2.0 / 20.0_f64.powf(1.5);
+        let both = seen(lit_floor(None), &[high], direct_light);
+        assert_scattered(&both, others + expected(of_high), 1e-4);
+        let under_sky = seen(floor().under(Some(0.3)), &[point], direct_light);
+        assert_scattered(&under_sky, 0.5 * 0.3 + expected(of_point), 1e-4);
+    }
+    let dark = seen(floor().under(None), &[point], DirectLight::Surfaces);
+    assert_eq!(mean_of(&dark, ComponentRole::Scattered).0, 0.0);
 }
 
 /// A map of `radiance` everywhere.

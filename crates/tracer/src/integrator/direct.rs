@@ -49,8 +49,10 @@ impl PathTracer<'_> {
         }
         if matters {
             let weight = match self.settings.direct_light {
-                DirectLight::Both => power_heuristic(sample.pdf, at.bsdf.direction_pdf(sample.direction)),
-                DirectLight::Lights | DirectLight::Surfaces => 1.0,
+                DirectLight::Both if !sample.is_delta => {
+                    power_heuristic(sample.pdf, at.bsdf.direction_pdf(sample.direction))
+                }
+                _ => 1.0,
             };
             path.record.scattered += path.throughput * value * sample.radiance * (weight / sample.pdf);
         }

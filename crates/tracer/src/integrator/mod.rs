@@ -16,6 +16,8 @@ mod trace;
 #[cfg(test)]
 mod closed_form_tests;
 #[cfg(test)]
+mod lens_tests;
+#[cfg(test)]
 mod motion_tests;
 #[cfg(test)]
 mod repeatability_tests;

@@ -17,7 +17,7 @@ stack::knob_choice! {
         Both = "both",
         /// By sampling lights only; perfect mirrors and glass still find them by themselves.
         Lights = "lights",
-        /// By sampling the surface only.
+        /// By sampling the surface only; point lights, spots and suns are not found.
         Surfaces = "surfaces",
     }
 }

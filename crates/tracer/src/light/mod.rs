@@ -1,8 +1,10 @@
-//! Where light comes from: triangles that emit, and the sky.
+//! Where light comes from: triangles that emit, the sky, and lights too small to be hit.
 //!
-//! First the sky or the lamps are chosen, by power; then one of the lamps, by what it may send to the surface that asks
-//! ([`tree`]). The sky stays out of the tree: it has no place, so there is no distance to weigh against the lamps'.
+//! First the sky, the lamps or the lights too small to be hit are chosen, by power; then one of the lamps, by what it may
+//! send to the surface that asks ([`tree`]). The sky stays out of the tree: it has no place, so there is no distance to
+//! weigh against the lamps'.
 
+mod delta;
 mod light_bounds;
 mod normal_cone;
 mod sky;
@@ -11,6 +13,8 @@ mod triangle;
 
 use std::f32::consts::PI;
 
+pub use delta::DeltaLight;
+use delta::DeltaLights;
 use glam::{Vec2, Vec3};
 use light_bounds::LightBounds;
 use normal_cone::NormalCone;
@@ -41,10 +45,13 @@ pub struct Receiver {
 pub struct LightSample {
     /// Unit direction it comes from.
     pub direction: Vec3,
-    /// Its radiance, if nothing is in the way.
+    /// Its radiance, if nothing is in the way; of a delta light the irradiance of a surface across `direction`.
     pub radiance: Vec3,
-    /// Density of `direction` per solid angle, the choice of the light included; above 0.
+    /// Density of `direction` per solid angle, the choice of the light included; above 0. Of a delta light the probability
+    /// of the choice alone.
     pub pdf: f32,
+    /// Whether no ray that follows surfaces can find this light, so that samples like this one have to carry all of it.
+    pub is_delta: bool,
     /// What must not be occluded.
     pub shadow_ray: Ray,
 }
@@ -53,6 +60,7 @@ pub struct LightSample {
 #[derive(Debug)]
 pub struct Lights<'a> {
     scene: &'a Scene,
+    delta: DeltaLights<'a>,
     lamps: &'a LightTree,
     sky: Option<Sky<'a>>,
     /// Of 2³² choices, those that take the sky.
@@ -74,13 +82,17 @@ impl<'a> Lights<'a> {
             (true, false) => 1.0,
             (true, true) => (sky_power / (sky_power + lamps.power())).min(LARGEST_SKY_SHARE),
         };
-        Self { scene, lamps, sky, sky_choices: (share * CHOICES as f64) as u64 }
+        let delta = DeltaLights::new(&scene.delta_lights, radius, sky_power + lamps.power());
+        Self { scene, delta, lamps, sky, sky_choices: (share * CHOICES as f64) as u64 }
     }
 
     /// Chooses a light by the whole number `choice` (uniform over 2³²) and a point on it by `u` in [0, 1)², for the
     /// surface `receiver` at `from`. `None` when no light comes from there: there is no light, or it shines away.
     pub fn sample_light(&self, from: &Interaction, receiver: Receiver, choice: u32, u: Vec2) -> Option<LightSample> {
-        let choice = u64::from(choice);
+        let choice = match self.delta.split(choice) {
+            Ok(choice) => return self.delta.sample(from, receiver, choice, u),
+            Err(rest) => u64::from(rest),
+        };
         if choice < self.sky_choices {
             return self.sky?.sample(from, receiver, u).map(|sample| scaled(sample, self.sky_share()));
         }
@@ -88,7 +100,7 @@ impl<'a> Lights<'a> {
         let lamp = self.lamps.sample_lamp(&receiver, ((choice - self.sky_choices) * CHOICES / rest) as u32)?;
         let light = self.scene.emitter_at(lamp.index, from.time);
         let sample = triangle::sample(&light, &self.scene.materials[light.material as usize], from, u)?;
-        Some(scaled(sample, (1.0 - self.sky_share()) * lamp.probability))
+        Some(scaled(sample, self.lamp_share() * lamp.probability))
     }
 
     /// Density per solid angle with which [`sample_light`](Self::sample_light) looks from `receiver` to the point of
@@ -99,7 +111,7 @@ impl<'a> Lights<'a> {
         if of_point == 0.0 {
             return 0.0;
         }
-        (1.0 - self.sky_share()) * self.lamps.lamp_probability(&receiver, index) * of_point
+        self.lamp_share() * self.lamps.lamp_probability(&receiver, index) * of_point
     }
 
     /// Density per solid angle with which it looks from `receiver` into the sky at `direction`.
@@ -123,7 +135,11 @@ impl<'a> Lights<'a> {
     }
 
     fn sky_share(&self) -> f32 {
-        (self.sky_choices as f64 / CHOICES as f64) as f32
+        self.delta.rest() * (self.sky_choices as f64 / CHOICES as f64) as f32
+    }
+
+    fn lamp_share(&self) -> f32 {
+        self.delta.rest() - self.sky_share()
     }
 }
 

@@ -25,7 +25,13 @@ impl Sky<'_> {
             }
         };
         let radiance = self.environment.radiance(direction);
-        (pdf > 0.0).then(|| LightSample { direction, radiance, pdf, shadow_ray: from.spawn(direction) })
+        (pdf > 0.0).then(|| LightSample {
+            direction,
+            radiance,
+            pdf,
+            is_delta: false,
+            shadow_ray: from.spawn(direction),
+        })
     }
 
     pub(super) fn pdf(&self, receiver: Receiver, direction: Vec3) -> f32 {

@@ -26,7 +26,7 @@ pub(super) fn sample(
         return None;
     }
     let shadow_ray = from.spawn_to(point, light.normal, rounding(weights, corners));
-    Some(LightSample { direction, radiance: radiance(light, material, weights), pdf, shadow_ray })
+    Some(LightSample { direction, radiance: radiance(light, material, weights), pdf, is_delta: false, shadow_ray })
 }
 
 /// Radiance of the point with barycentric coordinates `weights`. A light that is not there everywhere shines by the share

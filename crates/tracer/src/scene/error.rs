@@ -1,5 +1,6 @@
 //! What can be wrong with a scene.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -47,7 +48,7 @@ pub enum SceneError {
         source: std::io::Error,
     },
     /// The file's name does not say what it holds.
-    #[error("{}: expected a file that ends in .obj or .toml", path.display())]
+    #[error("{}: expected a file that ends in .obj or .toml; convert other scenes to OBJ", path.display())]
     UnknownFormat {
         /// The file.
         path: PathBuf,
@@ -82,7 +83,7 @@ pub enum SceneError {
         /// Where.
         place: Place,
         /// What kind of name.
-        what: &'static str,
+        what: Cow<'static, str>,
         /// The name.
         name: String,
         /// The known name most like it.
@@ -95,6 +96,14 @@ pub enum SceneError {
         place: Place,
         /// What is wrong.
         source: CameraError,
+    },
+    /// A texture that a scene file asks for is missing or cannot be read.
+    #[error("{place}: {reason}")]
+    BadTexture {
+        /// Where it is asked for.
+        place: Place,
+        /// Which one, and why not.
+        reason: String,
     },
     /// A picture that cannot be read.
     #[error(transparent)]

@@ -5,9 +5,9 @@ use std::borrow::Cow;
 use glam::{DVec3, Vec3};
 
 use super::emitters::{EmissiveTriangle, emitters_of, ranks};
-use super::mesh::{IndexedMesh, Mesh};
+use super::mesh::{IndexedMesh, Mesh, is_in_range};
 use super::motion::MovingPlacement;
-use super::{Bounds, Motion, Placement};
+use super::{Bounds, Dropped, Motion, Placement};
 use crate::bvh::WideBvh;
 use crate::material::Material;
 
@@ -85,11 +85,13 @@ pub(super) fn merge_single(mut meshes: Vec<Mesh>, instances: &[Instance]) -> (Ve
     (meshes, stands)
 }
 
-/// Prepares meshes where they stand, without those that are empty, and lists all emitters.
+/// Prepares meshes where they stand, and lists all emitters. Those that are empty are left out, and so are those that reach
+/// too far to compute with, whose triangles are counted as dropped.
 pub(super) fn place(
     meshes: &[IndexedMesh],
     stands: &[Stand],
     materials: &[Material],
+    dropped: &mut Dropped,
 ) -> (Vec<Placed>, Vec<EmissiveTriangle>) {
     let (mut all, mut emitters) = (vec![], vec![]);
     for &(index, placement, motion) in stands {
@@ -101,6 +103,10 @@ pub(super) fn place(
         let moving = placement.zip(motion).map(|(start, motion)| MovingPlacement::new(start, motion));
         let still = || Bounds::of(mesh.used_positions().map(at));
         let bounds = moving.map_or_else(still, |moving| moving.sweep(mesh.used_positions()));
+        if !(is_in_range(bounds.min) && is_in_range(bounds.max)) {
+            dropped.not_finite += mesh.mesh.triangles.len();
+            continue;
+        }
         let first = emitters.len() as u32;
         let shift = |rank: u32| if rank == u32::MAX { rank } else { first + rank };
         let ranks = ranks(mesh, materials).into_iter().map(shift).collect();

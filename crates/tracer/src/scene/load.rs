@@ -6,13 +6,15 @@ use std::time::Instant;
 
 use stack::file::extension;
 
-use super::description::{RawRender, SceneDescription, SkyDescription, read_description};
+use super::description::{Light, RawRender, SceneDescription, SkyDescription, Stand, read_description};
 use super::environment_file::read_environment;
 use super::notes::Notes;
 use super::obj::{find_file, read_obj};
+use super::textures::TextureFiles;
 use super::{Dropped, Instance, Mesh, Placement, Scene, SceneError};
 use crate::camera::CameraDescription;
 use crate::environment::Environment;
+use crate::light::DeltaLight;
 use crate::material::Material;
 
 /// A scene and what its files say besides.
@@ -32,6 +34,8 @@ pub struct Loaded {
     pub triangles: usize,
     /// Triangles no ray can hit, left out.
     pub dropped: Dropped,
+    /// Textures of materials that are missing or cannot be read.
+    pub missing_textures: usize,
 }
 
 /// Loads the scene at `path`: an OBJ file by itself, or a `.toml` file that puts several together.
@@ -63,10 +67,15 @@ fn load_toml(path: &Path) -> Result<Loaded, SceneError> {
     let mut parts = Parts::default();
     for geometry in &description.geometry {
         let mesh = parts.mesh(&folder.join(&geometry.file))?;
-        parts.instances.push(Instance { mesh, placement: geometry.placement, motion: geometry.motion });
+        let instance = |stand: &Stand| Instance { mesh, placement: stand.placement, motion: stand.motion };
+        parts.instances.extend(geometry.stands.iter().map(instance));
     }
+    let mut textures = TextureFiles::new(folder);
     for change in std::mem::take(&mut description.material_changes) {
-        change.apply(&mut parts.materials)?;
+        change.apply(&mut parts.materials, &mut textures)?;
+    }
+    for (light, number) in std::mem::take(&mut description.lights).into_iter().zip(1..) {
+        parts.light(light, number);
     }
     let environment = description.environment.take().map(|sky| parts.environment(folder, sky)).transpose()?;
     parts.finish(description, environment)
@@ -80,6 +89,7 @@ struct Parts {
     files: HashMap<PathBuf, usize>,
     instances: Vec<Instance>,
     materials: Vec<Material>,
+    delta_lights: Vec<DeltaLight>,
     notes: Notes,
 }
 
@@ -101,6 +111,20 @@ impl Parts {
         Ok(self.meshes.len() - 1)
     }
 
+    fn light(&mut self, light: Light, number: usize) {
+        match light {
+            Light::Delta(light) => self.delta_lights.push(light),
+            Light::Area(mut lamp) => {
+                let material = self.materials.len() as u32;
+                self.materials.push(lamp.material(format!("light {number}")));
+                lamp.mesh.materials.fill(material);
+                let stand = Instance { mesh: self.meshes.len(), placement: Placement::IDENTITY, motion: None };
+                self.instances.push(stand);
+                self.meshes.push(lamp.mesh);
+            }
+        }
+    }
+
     /// The sky; its map's file is looked for in `folder`.
     fn environment(&mut self, folder: &Path, sky: SkyDescription) -> Result<Environment, SceneError> {
         match sky {
@@ -116,13 +140,15 @@ impl Parts {
 
     fn finish(self, description: SceneDescription, environment: Option<Environment>) -> Result<Loaded, SceneError> {
         let start = Instant::now();
-        let scene = Scene::new(self.meshes, self.instances, self.materials, environment)?;
+        let mut scene = Scene::new(self.meshes, self.instances, self.materials, environment)?;
+        scene.delta_lights = self.delta_lights;
         let mut notes = self.notes;
         scene.dropped().said().into_iter().for_each(|note| notes.add(note));
         Ok(Loaded {
             build_seconds: start.elapsed().as_secs_f64(),
             triangles: scene.triangles(),
             dropped: scene.dropped(),
+            missing_textures: notes.missing_textures(),
             scene,
             cameras: description.cameras,
             notes: notes.into_lines(),

@@ -46,6 +46,11 @@ impl Dropped {
 /// Coordinates beyond this magnitude overflow f32 in differences and sums of products with unit vectors.
 const GREATEST_COORDINATE: f32 = f32::MAX / 16.0;
 
+/// Whether the coordinates of `point` are numbers one can compute with.
+pub(super) fn is_in_range(point: Vec3) -> bool {
+    point.abs().cmple(Vec3::splat(GREATEST_COORDINATE)).all()
+}
+
 impl Mesh {
     /// Corners of a triangle.
     #[inline]
@@ -100,7 +105,7 @@ impl Mesh {
     fn clean(&mut self, dropped: &mut Dropped) {
         let verdict = |t: u32| {
             let corners = self.corners(t);
-            if !corners.iter().all(|c| c.abs().cmple(Vec3::splat(GREATEST_COORDINATE)).all()) {
+            if !corners.into_iter().all(is_in_range) {
                 dropped.not_finite += 1;
                 return false;
             }

@@ -1,5 +1,6 @@
 //! What is rendered: meshes, materials, emitters, sky; and how files become one.
 
+mod area_light;
 mod closest;
 mod cut_out;
 mod description;
@@ -19,11 +20,12 @@ mod picture_file;
 mod relief;
 mod source;
 mod surface;
+mod textures;
 
 use std::sync::OnceLock;
 
 pub use crate::bvh::{Bounds, Placement};
-pub use description::{RawRender, RenderEntry, nearest_name};
+pub use description::{RawRender, RenderEntry, TableDescription, describe_tables, nearest_name};
 pub use emitters::EmissiveTriangle;
 pub use environment_file::read_environment;
 pub use error::{Place, SceneError};
@@ -34,7 +36,7 @@ pub use mesh::{Dropped, Mesh};
 pub use motion::Motion;
 
 use crate::environment::Environment;
-use crate::light::LightTree;
+use crate::light::{DeltaLight, LightTree};
 use crate::material::Material;
 use instance::{InstanceTree, Placed};
 use mesh::IndexedMesh;
@@ -46,6 +48,8 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// Every triangle that emits, in scene space.
     pub emitters: Vec<EmissiveTriangle>,
+    /// Lights that no ray can hit.
+    pub delta_lights: Vec<DeltaLight>,
     /// The sky, if there is one.
     pub environment: Option<Environment>,
     meshes: Vec<IndexedMesh>,
@@ -61,7 +65,7 @@ pub struct Scene {
 impl Scene {
     /// Builds a scene. Meshes that stand in it once are merged into one in scene space; those that stand in it several
     /// times are kept once, under a tree of instances. Triangles that are degenerate or not finite are dropped and
-    /// counted ([`dropped`](Self::dropped)).
+    /// counted ([`dropped`](Self::dropped)). Delta lights are added afterwards.
     ///
     /// # Errors
     /// When an index is out of range or nothing is left to see.
@@ -76,13 +80,14 @@ impl Scene {
         let (meshes, stands) = instance::merge_single(meshes, &instances);
         let meshes: Vec<_> =
             meshes.into_iter().map(|mesh| IndexedMesh::build(mesh, &materials, &mut dropped)).collect();
-        let (placed, emitters) = instance::place(&meshes, &stands, &materials);
+        let (placed, emitters) = instance::place(&meshes, &stands, &materials, &mut dropped);
         let bounds = placed.iter().map(|p| p.bounds).reduce(Bounds::union);
         let bounds = bounds.ok_or(SceneError::Empty { dropped })?;
         let tree = InstanceTree::build(&placed);
         Ok(Self {
             materials,
             emitters,
+            delta_lights: vec![],
             environment,
             meshes,
             placed,
@@ -101,6 +106,11 @@ impl Scene {
     /// How many triangles there are, counting those of every instance.
     pub fn triangles(&self) -> usize {
         self.placed.iter().map(|p| self.meshes[p.mesh].mesh.triangles.len()).sum()
+    }
+
+    /// How many triangles are stored: those of instances once.
+    pub fn stored_triangles(&self) -> usize {
+        self.meshes.iter().map(|mesh| mesh.mesh.triangles.len()).sum()
     }
 
     /// Triangles that were dropped because no ray could hit them.

@@ -2,18 +2,32 @@
 
 /// Things said once each, in order.
 #[derive(Debug, Default)]
-pub(super) struct Notes(Vec<String>);
+pub(super) struct Notes {
+    lines: Vec<String>,
+    missing_textures: usize,
+}
 
 impl Notes {
     /// Says something, unless it has been said.
     pub(super) fn add(&mut self, note: String) {
-        if !self.0.contains(&note) {
-            self.0.push(note);
+        if !self.lines.contains(&note) {
+            self.lines.push(note);
         }
+    }
+
+    /// Says that a texture is missing or cannot be read, and counts it, unless it has been said.
+    pub(super) fn add_missing_texture(&mut self, note: String) {
+        self.missing_textures += usize::from(!self.lines.contains(&note));
+        self.add(note);
+    }
+
+    /// Textures of materials that are missing or cannot be read.
+    pub(super) fn missing_textures(&self) -> usize {
+        self.missing_textures
     }
 
     /// All that was said.
     pub(super) fn into_lines(self) -> Vec<String> {
-        self.0
+        self.lines
     }
 }

@@ -76,7 +76,8 @@ fn a_firefly_is_no_detail_but_light_in_two_buckets_is() {
     // Details alone: no scale is left that counts in full.
     let settings = CascadeSettings { levels: 2, ..CascadeSettings::default() };
     let found = |bright: &[usize]| {
-        let of_bucket = |b: usize| image(SIZE, |x, y, _| if (x, y) == (20, 20) && bright.contains(&b) { 40.0 } else { 1.0 });
+        let of_bucket =
+            |b: usize| image(SIZE, |x, y, _| if (x, y) == (20, 20) && bright.contains(&b) { 40.0 } else { 1.0 });
         let parts = Parts::new((0..8).map(of_bucket).collect(), &counts());
         added_parts(&flat(SIZE, 1.0), parts, &settings).rgb(spot)[0] - 1.0
     };

@@ -3,84 +3,113 @@
 use std::path::PathBuf;
 
 use glam::{DAffine3, DMat3, DMat4, DVec3, EulerRot};
-use serde::Deserialize;
 use toml::Spanned;
 
 use super::super::{Motion, Placement, SceneError};
+use super::keys::{FINITE, TomlTable, TomlValue, toml_table};
 use super::mistakes::Lines;
 use super::motion_table::MotionTable;
+use super::values::Triple;
 
-/// A mesh file and where it stands. A file named several times is read once and instanced.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct GeometryTable {
-    /// An OBJ file, relative to the scene file.
-    file: PathBuf,
-    transform: Option<Spanned<TransformTable>>,
-    motion: Option<Spanned<MotionTable>>,
+toml_table! {
+    /// A mesh file and where it stands.
+    pub(super) struct GeometryTable {
+        /// an OBJ file, relative to the scene file; one that is named several times is read and stored once
+        required file: PathBuf;
+        /// where it stands: either `matrix`, or any of the other three
+        optional transform: TransformTable = "identity";
+        /// it stands at each of these places, which are applied after `transform`; its triangles are stored once
+        optional instances: Vec<Spanned<TransformTable>> = "one, where `transform` puts it";
+        /// how it moves over the frame, on top of `transform` and `instances`, which hold at time 0
+        optional motion: MotionTable = "none";
+    }
 }
 
-/// Where a mesh stands: scaled, then rotated, then translated; or a matrix instead.
-#[derive(Debug, Default, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct TransformTable {
-    translate: Option<[f64; 3]>,
-    /// Degrees round x, then y, then z.
-    rotate: Option<[f64; 3]>,
-    scale: Option<Scale>,
-    /// Row by row, 3 × 4 or 4 × 4 numbers.
-    matrix: Option<Vec<f64>>,
+toml_table! {
+    /// Where a mesh stands.
+    pub(super) struct TransformTable {
+        /// applied first
+        default scale: Triple = Triple::splat(1.0), FINITE;
+        /// then these turns, in degrees: round *x*, then *y*, then *z*
+        default rotate: [f64; 3] = [0.0; 3], FINITE;
+        /// then this
+        default translate: [f64; 3] = [0.0; 3], FINITE;
+        /// in their place: 12 or 16 numbers, row by row; the last row of 16 must be 0 0 0 1
+        optional matrix: Vec<f64> = "none";
+    }
 }
 
-/// How much larger.
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(untagged, expecting = "expected a number or three numbers")]
-enum Scale {
-    Uniform(f64),
-    ByAxis([f64; 3]),
+impl TomlValue for TransformTable {
+    fn kind() -> String {
+        "table".into()
+    }
+}
+
+impl TomlValue for Vec<Spanned<TransformTable>> {
+    fn kind() -> String {
+        "list of tables, as `transform`".into()
+    }
 }
 
 /// A mesh file and where it stands, checked.
 #[derive(Debug)]
 pub(in super::super) struct Geometry {
     pub(in super::super) file: PathBuf,
+    pub(in super::super) stands: Vec<Stand>,
+}
+
+/// Where a mesh stands at time 0, and how it moves.
+#[derive(Debug)]
+pub(in super::super) struct Stand {
     pub(in super::super) placement: Placement,
     pub(in super::super) motion: Option<Motion>,
 }
 
 impl GeometryTable {
-    /// The mesh, checked; the table begins at `offset`.
-    pub(super) fn geometry(&self, lines: &Lines, offset: usize) -> Result<Geometry, SceneError> {
-        let offset = self.transform.as_ref().map_or(offset, |t| t.span().start);
-        let refuse = |expected: &str, found: &str| lines.malformed(offset, expected, found);
-        let map = match self.transform.as_ref().map(Spanned::get_ref) {
-            Some(transform) => transform.map().map_err(|(expected, found)| refuse(expected, &found))?,
-            None => DAffine3::IDENTITY,
+    /// The mesh, checked.
+    pub(super) fn geometry(&self, lines: &Lines) -> Result<Geometry, SceneError> {
+        let own = self.transform.as_ref().map_or(Ok(DAffine3::IDENTITY), |transform| map_of(transform, lines))?;
+        let stands = match &self.instances {
+            None => vec![self.stand(own, self.place_of("transform").unwrap_or_default(), lines)?],
+            Some(instances) => {
+                let stand = |instance: &Spanned<TransformTable>| {
+                    self.stand(map_of(instance, lines)? * own, instance.span().start, lines)
+                };
+                instances.get_ref().iter().map(stand).collect::<Result<_, _>>()?
+            }
         };
-        let placement =
-            Placement::new(map).ok_or_else(|| refuse("a transform that can be undone", "a singular one"))?;
-        let motion =
-            self.motion.as_ref().map(|motion| motion.get_ref().motion(map.translation, motion.span().start, lines));
-        Ok(Geometry { file: self.file.clone(), placement, motion: motion.transpose()? })
+        Ok(Geometry { file: self.file().clone(), stands })
     }
+
+    /// Where `map`, which is written at `offset`, puts it.
+    fn stand(&self, map: DAffine3, offset: usize, lines: &Lines) -> Result<Stand, SceneError> {
+        let singular = || lines.malformed(offset, "a transform that can be undone", "a singular or too large one");
+        let placement = Placement::new(map).ok_or_else(singular)?;
+        let motion = self.motion().map(|motion| motion.motion(map.translation, lines)).transpose()?;
+        Ok(Stand { placement, motion })
+    }
+}
+
+/// The map that a table describes, checked but for being singular.
+fn map_of(table: &Spanned<TransformTable>, lines: &Lines) -> Result<DAffine3, SceneError> {
+    table.get_ref().check(lines)?;
+    table.get_ref().map().map_err(|(expected, found)| lines.malformed(table.span().start, expected, &found))
 }
 
 impl TransformTable {
     /// The map, or what was expected and found.
     fn map(&self) -> Result<DAffine3, (&'static str, String)> {
-        if let Some(matrix) = &self.matrix {
-            let alone = self.translate.is_none() && self.rotate.is_none() && self.scale.is_none();
-            return if alone { from_rows(matrix) } else { Err(("either matrix or its parts", "both".into())) };
+        if let Some(matrix) = self.matrix() {
+            return if self.given().len() == 1 {
+                from_rows(matrix)
+            } else {
+                Err(("either matrix or its parts", "both".into()))
+            };
         }
-        let [x, y, z] = self.rotate.unwrap_or_default().map(f64::to_radians);
-        let scale = match self.scale {
-            Some(Scale::Uniform(s)) => DVec3::splat(s),
-            Some(Scale::ByAxis(s)) => s.into(),
-            None => DVec3::ONE,
-        };
+        let [x, y, z] = self.rotate().map(f64::to_radians);
         let rotation = DMat3::from_euler(EulerRot::ZYX, z, y, x);
-        let matrix3 = rotation * DMat3::from_diagonal(scale);
-        Ok(DAffine3 { matrix3, translation: self.translate.unwrap_or_default().into() })
+        let matrix3 = rotation * DMat3::from_diagonal(DVec3::from_array(self.scale().0));
+        Ok(DAffine3 { matrix3, translation: self.translate().into() })
     }
 }
 

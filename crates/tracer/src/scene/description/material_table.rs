@@ -1,156 +1,252 @@
 //! `[material.NAME]`: changes to a material that a geometry file defines.
 
+use std::sync::Arc;
+
 use glam::Vec3;
-use serde::Deserialize;
 use toml::Spanned;
 
 use super::super::SceneError;
 use super::super::error::Place;
 use super::super::look::Look;
+use super::super::textures::{Channel, TextureFiles, TextureUse};
+use super::image_table::ImageTable;
+use super::keys::{NOT_NEGATIVE, SHARE, TomlTable, toml_table};
 use super::mistakes::{Lines, nearest};
-use crate::material::{Colour, Grey, Material, SurfaceMaps};
+use super::values::{Image, Textured, Triple};
+use crate::material::{Colour, Grey, Material};
+use crate::texture::Texture;
 
-/// Changes to a material; what is left out stays as it is.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct MaterialTable {
-    /// Colour of the diffuse base, of the metal, or tint of the glass; replaces a texture.
-    base_color: Option<Spanned<Shade>>,
-    /// 0 smooth … 1 rough; α is its square.
-    roughness: Option<Spanned<f32>>,
-    /// 0 or 1, or a mixture between.
-    metallic: Option<Spanned<f32>>,
-    /// 0 opaque, 1 clear glass.
-    transmission: Option<Spanned<f32>>,
-    /// Whether glass is a pane too thin to refract.
-    thin: Option<bool>,
-    /// Refractive index, of glass and of the coat.
-    ior: Option<Spanned<f32>>,
-    /// Share of rays that meet the surface; replaces a texture.
-    alpha: Option<Spanned<f32>>,
-    /// Emitted radiance.
-    emission: Option<Spanned<Shade>>,
-    /// Reflectance of the coat at normal incidence; 0 takes the coat off.
-    specular: Option<Spanned<Shade>>,
+toml_table! {
+    /// Changes to a material; what is left out stays as it is.
+    pub(super) struct MaterialTable {
+        /// diffuse colour, colour of the metal, or tint of the glass
+        optional base_color: Textured<Triple> = "as in the file", SHARE;
+        /// α is its square; on a plain diffuse surface it brings a coat of reflectance 0.04
+        optional roughness: Textured<f32> = "as in the file", SHARE;
+        /// 1 is a metal; between, the base's colour moves to the coat
+        optional metallic: Textured<f32> = "as in the file", SHARE;
+        /// from 0.5 on glass, rough where the material is rough; else opaque
+        optional transmission: f32 = "as in the file", SHARE;
+        /// glass is a pane too thin to refract
+        optional thin: bool = "as in the file";
+        /// share of rays that meet the surface, the others pass through
+        optional alpha: Textured<f32> = "as in the file", SHARE;
+        /// refractive index; also sets the coat to ((n − 1)/(n + 1))²
+        optional ior: f32 = "as in the file", 0.1..=10.0;
+        /// reflectance of the coat at normal incidence; overrides `ior`; 0 takes the coat off
+        optional specular: Textured<Triple> = "as in the file", SHARE;
+        /// emitted radiance
+        optional emission: Textured<Triple> = "as in the file", NOT_NEGATIVE;
+        /// normals in the frame of *u* and *v* (OpenGL's convention)
+        optional normal_map: Image = "as in the file";
+        /// heights; one of 1 is as high as a texel is wide, times `factor`; not together with `normal_map`
+        optional bump_map: Image = "as in the file";
+    }
 }
 
-/// A grey or a colour.
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(untagged, expecting = "expected a number or three numbers")]
-enum Shade {
-    Grey(f32),
-    Colour([f32; 3]),
-}
-
-/// Changes to a material, checked.
+/// Changes to a material, checked; images are named, not read.
 #[derive(Debug)]
 pub(in super::super) struct MaterialChange {
     name: String,
     place: Place,
-    base_color: Option<Vec3>,
-    roughness: Option<f32>,
-    metallic: Option<f32>,
+    base_color: Option<ColourChange>,
+    roughness: Option<NumberChange>,
+    metallic: Option<NumberChange>,
     transmission: Option<f32>,
     thin: Option<bool>,
     ior: Option<f32>,
-    alpha: Option<f32>,
-    emission: Option<Vec3>,
-    specular: Option<Vec3>,
+    alpha: Option<NumberChange>,
+    emission: Option<ColourChange>,
+    specular: Option<ColourChange>,
+    relief: Option<(Relief, Located)>,
+}
+
+/// A texture and where in the file it is asked for.
+#[derive(Debug)]
+struct Located {
+    place: Place,
+    texture: TextureUse,
+}
+
+/// A constant, and the texture it is multiplied with.
+#[derive(Debug)]
+struct Change<T> {
+    factor: T,
+    texture: Option<Located>,
+}
+
+type ColourChange = Change<Vec3>;
+type NumberChange = Change<f32>;
+
+/// What an image of relief holds.
+#[derive(Clone, Copy, Debug)]
+enum Relief {
+    Normals,
+    Heights,
 }
 
 impl MaterialTable {
     /// The changes, checked.
     pub(super) fn change(&self, name: &Spanned<String>, lines: &Lines) -> Result<MaterialChange, SceneError> {
-        let share = |value| number(value, 0.0..=1.0, "a number from 0 to 1", lines);
+        self.check(lines)?;
         Ok(MaterialChange {
             name: name.get_ref().clone(),
             place: lines.at(name.span().start),
-            base_color: shade(&self.base_color, 1.0, "a reflectance from 0 to 1", lines)?,
-            roughness: share(&self.roughness)?,
-            metallic: share(&self.metallic)?,
-            transmission: share(&self.transmission)?,
-            thin: self.thin,
-            alpha: share(&self.alpha)?,
-            ior: number(&self.ior, 0.1..=10.0, "a refractive index from 0.1 to 10", lines)?,
-            emission: shade(&self.emission, f32::MAX, "radiance of 0 or more", lines)?,
-            specular: shade(&self.specular, 1.0, "a reflectance from 0 to 1", lines)?,
+            base_color: colour(&self.base_color, lines)?,
+            roughness: number(&self.roughness, lines)?,
+            metallic: number(&self.metallic, lines)?,
+            transmission: self.transmission().copied(),
+            thin: self.thin().copied(),
+            alpha: number(&self.alpha, lines)?,
+            ior: self.ior().copied(),
+            emission: colour(&self.emission, lines)?,
+            specular: colour(&self.specular, lines)?,
+            relief: self.relief(lines)?,
         })
     }
+
+    fn relief(&self, lines: &Lines) -> Result<Option<(Relief, Located)>, SceneError> {
+        let (kind, image) = match (&self.normal_map, &self.bump_map) {
+            (Some(_), Some(both)) => {
+                return Err(lines.malformed(both.span().start, "either normal_map or bump_map", "both"));
+            }
+            (Some(image), None) => (Relief::Normals, image),
+            (None, Some(image)) => (Relief::Heights, image),
+            (None, None) => return Ok(None),
+        };
+        let at = image.span().start;
+        one_number(&image.get_ref().0, at, lines)?;
+        Ok(Some((kind, located(&image.get_ref().0, at, lines)?)))
+    }
 }
 
-fn number(
-    value: &Option<Spanned<f32>>,
-    range: std::ops::RangeInclusive<f32>,
-    expected: &str,
-    lines: &Lines,
-) -> Result<Option<f32>, SceneError> {
-    let Some(value) = value else { return Ok(None) };
-    let number = *value.get_ref();
-    if range.contains(&number) {
-        return Ok(Some(number));
-    }
-    Err(lines.malformed(value.span().start, expected, &number.to_string()))
+fn colour(given: &Option<Spanned<Textured<Triple>>>, lines: &Lines) -> Result<Option<ColourChange>, SceneError> {
+    let Some(given) = given else { return Ok(None) };
+    Ok(Some(match given.get_ref() {
+        Textured::Value(value) => Change { factor: value.vec3(), texture: None },
+        Textured::Image(image) => {
+            let texture = located(image, given.span().start, lines)?;
+            Change { factor: image.factor().vec3(), texture: Some(texture) }
+        }
+    }))
 }
 
-fn shade(value: &Option<Spanned<Shade>>, most: f32, expected: &str, lines: &Lines) -> Result<Option<Vec3>, SceneError> {
-    let Some(value) = value else { return Ok(None) };
-    let colour = match *value.get_ref() {
-        Shade::Grey(grey) => Vec3::splat(grey),
-        Shade::Colour(colour) => Vec3::from_array(colour),
-    };
-    if colour.to_array().iter().all(|c| (0.0..=most).contains(c)) {
-        return Ok(Some(colour));
-    }
-    Err(lines.malformed(value.span().start, expected, &colour.to_string()))
+fn number(given: &Option<Spanned<Textured<f32>>>, lines: &Lines) -> Result<Option<NumberChange>, SceneError> {
+    let Some(given) = given else { return Ok(None) };
+    Ok(Some(match given.get_ref() {
+        Textured::Value(factor) => Change { factor: *factor, texture: None },
+        Textured::Image(image) => {
+            let texture = located(image, given.span().start, lines)?;
+            Change { factor: one_number(image, given.span().start, lines)?, texture: Some(texture) }
+        }
+    }))
+}
+
+/// The factor of an image that is no colour.
+fn one_number(image: &ImageTable, offset: usize, lines: &Lines) -> Result<f32, SceneError> {
+    let wrong = || lines.malformed(image.place_of("factor").unwrap_or(offset), "one number for factor", "three");
+    image.factor().one().ok_or_else(wrong)
+}
+
+fn located(image: &ImageTable, offset: usize, lines: &Lines) -> Result<Located, SceneError> {
+    image.check(lines)?;
+    Ok(Located { place: lines.at(offset), texture: image.texture_use() })
 }
 
 impl MaterialChange {
-    /// Changes every material of that name.
+    /// Changes every material of that name, with images from `files`.
     ///
     /// # Errors
-    /// When there is none.
-    pub(in super::super) fn apply(&self, materials: &mut [Material]) -> Result<(), SceneError> {
+    /// When there is none, or an image cannot be read.
+    pub(in super::super) fn apply(
+        &self,
+        materials: &mut [Material],
+        files: &mut TextureFiles,
+    ) -> Result<(), SceneError> {
         if !materials.iter().any(|m| m.name == self.name) {
             let nearest = nearest(&self.name, materials.iter().map(|m| m.name.as_str()));
             let (place, name) = (self.place.clone(), self.name.clone());
-            return Err(SceneError::UnknownName { place, what: "material", name, nearest });
+            return Err(SceneError::UnknownName { place, what: "material".into(), name, nearest });
         }
-        materials.iter_mut().filter(|m| m.name == self.name).for_each(|m| self.change(m));
-        Ok(())
+        materials.iter_mut().filter(|m| m.name == self.name).try_for_each(|m| self.change(m, files))
     }
 
-    fn change(&self, material: &mut Material) {
-        if let Some(emission) = self.emission {
-            material.emission = Colour::constant(emission);
-        }
+    fn change(&self, material: &mut Material, files: &mut TextureFiles) -> Result<(), SceneError> {
         let mut look = Look::of(&material.surface);
-        if let Some(colour) = self.base_color {
-            look.base = Colour::constant(colour);
+        if let Some(change) = &self.base_color {
+            look.base = change.read(files)?;
         }
         if let Some(ior) = self.ior {
             look.set_ior(ior);
         }
-        if let Some(specular) = self.specular {
-            look.coat = Colour::constant(specular);
+        if let Some(change) = &self.specular {
+            look.coat = change.read(files)?;
         }
-        look.alpha = self.roughness.map(|r| r * r).or(look.alpha);
-        look.metallic = self.metallic.unwrap_or(look.metallic);
+        if let Some(change) = &self.emission {
+            material.emission = change.read(files)?;
+        }
         look.transmission = self.transmission.unwrap_or(look.transmission);
         look.thin = self.thin.unwrap_or(look.thin);
-        self.change_maps(&mut material.maps);
+        self.change_numbers(&mut look, material, files)?;
+        if let Some((kind, image)) = &self.relief {
+            material.maps.normals = Some(read_relief(*kind, image, files)?);
+        }
         material.surface = look.surface();
+        Ok(())
     }
 
-    /// Takes off the maps that a number replaces.
-    fn change_maps(&self, maps: &mut SurfaceMaps) {
-        if let Some(alpha) = self.alpha {
-            maps.opacity = (alpha < 1.0).then_some(Grey::constant(alpha));
+    /// Roughness, metalness and opacity: numbers take off the maps that were there, maps bring numbers to multiply with.
+    fn change_numbers(
+        &self,
+        look: &mut Look,
+        material: &mut Material,
+        files: &mut TextureFiles,
+    ) -> Result<(), SceneError> {
+        let maps = &mut material.maps;
+        if let Some(change) = &self.roughness {
+            look.alpha = Some(change.factor * change.factor);
+            maps.roughness = change.read(files, Channel::Luminance)?.texture;
         }
-        if self.roughness.is_some() {
-            maps.roughness = None;
+        if let Some(change) = &self.metallic {
+            let metallic = change.read(files, Channel::Luminance)?;
+            let mapped = metallic.texture.is_some();
+            look.metallic = if mapped { 0.0 } else { metallic.factor };
+            // Only a coated surface can be metal in places.
+            look.alpha = look.alpha.or(mapped.then_some(1.0));
+            maps.metallic = mapped.then_some(metallic);
         }
-        if self.metallic.is_some() {
-            maps.metallic = None;
+        if let Some(change) = &self.alpha {
+            let opacity = change.read(files, Channel::Alpha)?;
+            maps.opacity = (opacity.texture.is_some() || opacity.factor < 1.0).then_some(opacity);
         }
+        Ok(())
+    }
+}
+
+impl ColourChange {
+    fn read(&self, files: &mut TextureFiles) -> Result<Colour, SceneError> {
+        let read = |image: &Located| files.colours(&image.texture).map_err(|reason| image.refused(reason));
+        Ok(Colour { factor: self.factor, texture: self.texture.as_ref().map(read).transpose()? })
+    }
+}
+
+impl NumberChange {
+    fn read(&self, files: &mut TextureFiles, usual: Channel) -> Result<Grey, SceneError> {
+        let read = |image: &Located| files.greys(&image.texture, usual).map_err(|reason| image.refused(reason));
+        Ok(Grey { factor: self.factor, texture: self.texture.as_ref().map(read).transpose()? })
+    }
+}
+
+fn read_relief(kind: Relief, image: &Located, files: &mut TextureFiles) -> Result<Arc<Texture>, SceneError> {
+    let read = match kind {
+        Relief::Normals => files.normals(&image.texture),
+        Relief::Heights => files.bumps(&image.texture),
+    };
+    read.map_err(|reason| image.refused(reason))
+}
+
+impl Located {
+    fn refused(&self, reason: String) -> SceneError {
+        SceneError::BadTexture { place: self.place.clone(), reason }
     }
 }

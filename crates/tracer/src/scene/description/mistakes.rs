@@ -34,19 +34,28 @@ impl<'t> Lines<'t> {
     }
 
     /// An error of the TOML reader in our words. Serde reports an unknown key as "unknown field `x`, expected one of
-    /// `a`, `b`".
+    /// `a`, `b`", a wrong value as "invalid type: x, expected y".
     pub(super) fn mistake(&self, error: &toml::de::Error) -> SceneError {
         let place = self.at(error.span().map_or(0, |span| span.start));
         let mut quoted = error.message().split('`').skip(1).step_by(2);
-        if error.message().starts_with("unknown field")
-            && let Some(name) = quoted.next()
-        {
+        let unknown = [("unknown field", "key"), ("unknown variant", "value")];
+        let what = unknown.into_iter().find(|(words, _)| error.message().starts_with(words)).map(|(_, what)| what);
+        if let (Some(what), Some(name)) = (what, quoted.next()) {
             let nearest = nearest(name, quoted);
-            return SceneError::UnknownName { place, what: "key", name: name.into(), nearest };
+            return SceneError::UnknownName { place, what: what.into(), name: name.into(), nearest };
         }
-        let found = error.message().lines().next().unwrap_or_default().into();
-        SceneError::Malformed { place, expected: "a scene description".into(), found }
+        let message = error.message().lines().next().unwrap_or_default();
+        let missing = message.strip_prefix("missing field ").map(|key| ("none", format!("a key {key}")));
+        let wrong = || message.split_once(", expected ").map(|(found, expected)| (bare(found), expected.to_string()));
+        let (found, expected) = missing.or_else(wrong).unwrap_or((message, "a scene description".into()));
+        SceneError::Malformed { place, expected, found: found.into() }
     }
+}
+
+/// What was found, without serde's word for what is wrong with it.
+fn bare(found: &str) -> &str {
+    let kinds = ["invalid type: ", "invalid value: ", "invalid "];
+    kinds.iter().find_map(|kind| found.strip_prefix(kind)).unwrap_or(found)
 }
 
 /// The one of `known` that takes the fewest edits to become `name`.

@@ -1,13 +1,18 @@
-//! `scene.toml`: geometry, cameras, sky and changes to materials in one file. Every table has its own module.
+//! `scene.toml`: geometry, cameras, lights, sky and changes to materials in one file. Every table has its own module.
 
 mod camera_table;
+mod document;
 mod environment_table;
 mod geometry_table;
+mod image_table;
+mod keys;
+mod light_table;
 mod material_table;
 mod mistakes;
 mod motion_table;
 mod one_or_many;
 mod render_table;
+mod values;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -15,8 +20,10 @@ use std::path::Path;
 use serde::Deserialize;
 use toml::Spanned;
 
+pub use document::{TableDescription, describe_tables};
 pub(super) use environment_table::SkyDescription;
-pub(super) use geometry_table::Geometry;
+pub(super) use geometry_table::{Geometry, Stand};
+pub(super) use light_table::Light;
 pub(super) use material_table::MaterialChange;
 pub use mistakes::nearest as nearest_name;
 pub use render_table::{RawRender, RenderEntry};
@@ -27,6 +34,7 @@ use crate::camera::CameraDescription;
 use camera_table::CameraTable;
 use environment_table::EnvironmentTable;
 use geometry_table::GeometryTable;
+use light_table::LightTable;
 use material_table::MaterialTable;
 use mistakes::Lines;
 use one_or_many::OneOrMany;
@@ -37,6 +45,7 @@ pub(super) struct SceneDescription {
     pub(super) cameras: Vec<(Option<String>, CameraDescription)>,
     pub(super) environment: Option<SkyDescription>,
     pub(super) geometry: Vec<Geometry>,
+    pub(super) lights: Vec<Light>,
     pub(super) material_changes: Vec<MaterialChange>,
     pub(super) render: Option<RawRender>,
 }
@@ -49,7 +58,9 @@ struct SceneTable {
     camera: OneOrMany<CameraTable>,
     environment: Option<EnvironmentTable>,
     #[serde(default)]
-    geometry: Vec<Spanned<GeometryTable>>,
+    geometry: OneOrMany<GeometryTable>,
+    #[serde(default)]
+    light: OneOrMany<LightTable>,
     #[serde(default)]
     material: BTreeMap<Spanned<String>, MaterialTable>,
     render: Option<BTreeMap<Spanned<String>, Spanned<toml::Value>>>,
@@ -63,16 +74,18 @@ pub(super) fn read_description(path: &Path) -> Result<SceneDescription, SceneErr
     let text = read_text(path)?;
     let lines = Lines::new(&text, path);
     let table: SceneTable = toml::from_str(&text).map_err(|e| lines.mistake(&e))?;
-    if table.geometry.is_empty() {
+    if table.geometry.0.is_empty() {
         return Err(lines.malformed(0, "at least one [[geometry]] table", "none"));
     }
     let cameras = table.camera.0.iter().map(|camera| camera.camera(&lines));
-    let geometry = table.geometry.iter().map(|g| g.get_ref().geometry(&lines, g.span().start));
+    let geometry = table.geometry.0.iter().map(|geometry| geometry.geometry(&lines));
+    let lights = table.light.0.iter().map(|light| light.light(&lines));
     let changes = table.material.into_iter().map(|(name, table)| table.change(&name, &lines));
     Ok(SceneDescription {
         cameras: cameras.collect::<Result<_, _>>()?,
         environment: table.environment.map(|sky| sky.sky(&lines)).transpose()?,
         geometry: geometry.collect::<Result<_, _>>()?,
+        lights: lights.collect::<Result<_, _>>()?,
         material_changes: changes.collect::<Result<_, _>>()?,
         render: table.render.map(|table| RawRender::new(path, &lines, &table)),
     })

@@ -43,7 +43,7 @@ pub fn guess_camera(scene: &Scene) -> Guess<CameraDescription> {
 
 /// A soft constant sky, when nothing emits and there is no sky.
 pub fn guess_environment(scene: &Scene) -> Option<Guess<Vec3>> {
-    let dark = scene.environment.is_none() && scene.emitters.is_empty();
+    let dark = scene.environment.is_none() && scene.emitters.is_empty() && scene.delta_lights.is_empty();
     let line =
         format!("nothing emits light: a constant sky is assumed, as with --env {SOFT_SKY},{SOFT_SKY},{SOFT_SKY}");
     dark.then(|| Guess { value: Vec3::splat(SOFT_SKY), line })

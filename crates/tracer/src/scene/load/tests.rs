@@ -65,7 +65,7 @@ fn geometry_and_cameras_may_move() {
     assert!(refusal(&format!("{GEOMETRY}motion = {{ turn = [0, 1, 0] }}\n")).contains("no key 'turn'"));
     assert!(
         refusal(&format!("{GEOMETRY}motion = {{ rotate = [0, inf, 0] }}\n"))
-            .starts_with("scene.toml:3: expected finite")
+            .starts_with("scene.toml:3: expected numbers of at most 1e37 for rotate")
     );
 }
 
@@ -112,7 +112,7 @@ fn the_sky_may_be_a_map_that_is_turned_and_scaled() {
     assert!((at(-Vec3::Z) - 2.0).abs() < 1e-4 && (at(Vec3::Z) - 6.0).abs() < 1e-4);
     let map = |rest: &str| refusal(&format!("{GEOMETRY}[environment]\nfile = \"a.mtl\"\n{rest}\n"));
     assert_eq!(map("color = [1, 1, 1]"), "scene.toml:5: expected either file or color, found both");
-    assert_eq!(map("scale = -1"), "scene.toml:5: expected a factor of 0 or more, found -1");
+    assert_eq!(map("scale = -1"), "scene.toml:5: expected scale ≥ 0, found -1");
     assert!(map("rotate = 5").starts_with("a.mtl: cannot be read as a picture"));
     assert!(refusal(&format!("{GEOMETRY}[environment]\nfile = \"none.hdr\"\n")).contains("none.hdr: no such file"));
 }
@@ -142,6 +142,162 @@ fn materials_are_changed_by_name() {
     assert!(
         matches!(coat, Surface::Coated { specular, diffuse, .. } if specular.factor == Vec3::splat(0.08) && diffuse.factor == base)
     );
+}
+
+/// Writes a picture of one pixel in that colour.
+fn write_pixel(folder: &TempDir, name: &str, colour: [u8; 4]) {
+    let pixel = image::RgbaImage::from_raw(1, 1, colour.to_vec()).unwrap();
+    pixel.save(folder.path().join(name)).unwrap();
+}
+
+#[test]
+fn materials_may_be_given_images() {
+    let changed = |table: &str| {
+        let folder = folder(&format!("{GEOMETRY}[material.wall]\n{table}\n"));
+        write_pixel(&folder, "a.png", [255, 188, 0, 51]);
+        write_pixel(&folder, "up.png", [128, 128, 255, 255]);
+        write_pixel(&folder, "tilted.png", [204, 128, 230, 255]);
+        let loaded = load(&folder.path().join("scene.toml")).map_err(|error| error.to_string())?;
+        Ok(loaded.scene.materials[0].clone())
+    };
+    let must = |table: &str| changed(table).unwrap_or_else(|error: String| panic!("{table}: {error}"));
+    let at = glam::Vec2::splat(0.3);
+    let near = |a: Vec3, b: [f32; 3]| (a - Vec3::from(b)).length() < 2e-3;
+    let Surface::Diffuse { reflectance } = must("base_color = \"A.png\"").surface else { panic!() };
+    assert!(near(reflectance.at(at), [1.0, 0.503, 0.0]), "colours are decoded from sRGB");
+    let lamp =
+        must("emission = { file = \"a.png\", factor = [2, 20, 2], wrap = \"clamp\", scale = [2, 3], offset = [1, 0] }");
+    assert!(near(lamp.emission.at(at) / 10.0, [0.2, 1.006, 0.0]));
+    let texture = lamp.emission.texture.unwrap();
+    assert!(texture.clamp && texture.scale == glam::Vec2::new(2.0, 3.0) && texture.offset == glam::Vec2::X);
+    let veil = must("alpha = { file = \"a.png\", factor = 0.5 }").maps.opacity.unwrap();
+    assert!((veil.at(at) - 0.1).abs() < 1e-6, "the image's alpha");
+    let veil = must("alpha = { file = \"a.png\", channel = \"red\" }").maps.opacity.unwrap();
+    assert_eq!(veil.at(at), 1.0);
+    let rough = must("roughness = { file = \"a.png\", factor = 0.5, channel = \"alpha\" }");
+    assert!(matches!(rough.surface, Surface::Coated { alpha: 0.25, .. }));
+    assert!((rough.maps.roughness.unwrap().lookup(at) - 0.2).abs() < 1e-6);
+    let partly = must("metallic = { file = \"a.png\", channel = \"alpha\" }");
+    assert!(matches!(partly.surface, Surface::Coated { .. }), "only what is coated can be metal in places");
+    assert!((partly.maps.metallic.unwrap().at(at) - 0.2).abs() < 1e-6);
+    let slope = |table: &str| {
+        let texel = 2.0 * must(table).maps.normals.unwrap().lookup(at) - Vec3::ONE;
+        texel.x / texel.z
+    };
+    let once = slope("normal_map = \"tilted.png\"");
+    assert!((once - 0.6 / 0.8).abs() < 0.01);
+    assert!((slope("normal_map = { file = \"tilted.png\", factor = 2 }") / once - 2.0).abs() < 1e-4);
+    assert!(slope("bump_map = \"up.png\"").abs() < 0.01);
+
+    let refused = |table: &str| {
+        let error = changed(table).unwrap_err();
+        error[error.find("scene.toml").unwrap_or_default()..].to_string()
+    };
+    assert_eq!(refused("base_color = \"none.png\""), "scene.toml:4: texture 'none.png' is missing");
+    assert!(refused("base_color = \"a.mtl\"").starts_with("scene.toml:4: texture 'a.mtl' cannot be read"));
+    assert_eq!(
+        refused("\nroughness = { fil = \"a.png\" }"),
+        "scene.toml:5: there is no key 'fil'; did you mean 'file'?"
+    );
+    assert_eq!(
+        refused("alpha = { file = \"a.png\", wrap = \"mirror\" }"),
+        "scene.toml:4: there is no value 'mirror'; did you mean 'repeat'?"
+    );
+    assert_eq!(
+        refused("alpha = { file = \"a.png\", factor = [1, 2, 3] }"),
+        "scene.toml:4: expected one number for factor, found three"
+    );
+    assert_eq!(
+        refused("bump_map = \"a.png\"\nnormal_map = \"a.png\""),
+        "scene.toml:4: expected either normal_map or bump_map, found both"
+    );
+    assert_eq!(refused("roughness = 1.5"), "scene.toml:4: expected roughness 0 … 1, found 1.5");
+    assert!(
+        refused("roughness = [1, 2, 3]").starts_with("scene.toml:4: expected a number, or an image's name or table")
+    );
+    assert!(refused("normal_map = 1").starts_with("scene.toml:4: expected an image's name or table, found floating"));
+}
+
+#[test]
+fn instances_cost_their_triangles_once() {
+    let stands = |instances: &str| format!("{GEOMETRY}transform = {{ scale = 2 }}\ninstances = [{instances}]\n");
+    let loaded = loaded(&stands("{}, { translate = [0, 0, 5] }, { rotate = [0, 90, 0] }, { scale = 0.5 }"));
+    assert_eq!((loaded.triangles, loaded.scene.stored_triangles()), (8, 2));
+    // Scaled first, then where the instance puts it.
+    let ray = Ray { origin: Vec3::new(1.5, 0.4, 9.0), direction: -Vec3::Z, t_max: 100.0, time: 0.0 };
+    assert!((loaded.scene.intersect(&ray).unwrap().distance - 4.0).abs() < 1e-5);
+    assert_eq!(
+        refusal(&stands("{}, { scale = 0 }")),
+        "scene.toml:4: expected a transform that can be undone, found a singular or too large one"
+    );
+    // Found by damaging files: these used to end in a panic.
+    for (large, said) in [
+        ("{ translate = [2, 0, -1e39] }", "numbers of at most 1e37 for translate"),
+        ("{ scale = [-1e39, 2, 1] }", "numbers of at most 1e37 for scale"),
+        ("{ scale = 1e-39 }", "singular or too large"),
+        ("{ matrix = [1, 0, 0, 1e39, 0, 1, 0, 0, 0, 0, 1, 0] }", "singular or too large"),
+    ] {
+        assert!(refusal(&stands(&format!("{{}}, {large}"))).contains(said), "{large}");
+    }
+    for far in
+        ["{ matrix = [1, 1e38, 0, 0, 0, 1, 0, 0, 0, 0, 1, 3] }", "{ matrix = [1, 0, 0, 3e38, 0, 1, 0, 0, 0, 0, 1, 0] }"]
+    {
+        let loaded = self::loaded(&stands(&format!("{{}}, {{ translate = [0, 0, 5] }}, {far}")));
+        assert_eq!((loaded.triangles, loaded.dropped.not_finite), (4, 2), "{far}");
+    }
+    assert!(refusal(&format!("{GEOMETRY}motion = {{ translate = [0, 1e300, 0] }}\n")).contains("at most 1e37"));
+    assert!(refusal(&stands("{ move = [0, 0, 0] }")).starts_with("scene.toml:4: there is no key 'move'"));
+    assert!(refusal(&stands("")).contains("no visible triangle"));
+}
+
+#[test]
+fn lights_of_all_types_are_read() {
+    let light = |table: &str| loaded(&format!("{GEOMETRY}[[light]]\n{table}\n")).scene;
+    let power = |scene: &crate::scene::Scene| {
+        scene.emitters.iter().map(|e| std::f32::consts::PI * e.area * e.radiance.x).sum::<f32>()
+    };
+    for (shape, area) in [
+        ("type = \"quad\"\nlook_at = [0, 0, 0]\nsize = [2, 3]", 6.0),
+        ("type = \"disk\"\nlook_at = [0, 0, 0]\nradius = 2", 12.566),
+        ("type = \"sphere\"\nradius = 2", 50.265),
+    ] {
+        let scene = light(&format!("{shape}\nposition = [0, 9, 0]\npower = [100, 50, 0]"));
+        assert!((power(&scene) / 100.0 - 1.0).abs() < 1e-4, "{shape}: {}", power(&scene));
+        let scene = light(&format!("{shape}\nposition = [0, 9, 0]\nradiance = 3"));
+        assert!((power(&scene) / (3.0 * std::f32::consts::PI * area) - 1.0).abs() < 1e-4, "{shape}");
+        let down = Ray { origin: Vec3::new(0.2, 5.0, 0.3), direction: Vec3::Y, t_max: 100.0, time: 0.0 };
+        assert!(scene.intersect(&down).unwrap().emitter.is_some(), "{shape} shines at what it looks at");
+    }
+    let point = light("type = \"point\"\nposition = [0, 9, 0]\nintensity = 4");
+    assert!(point.emitters.is_empty());
+    assert_eq!(
+        point.delta_lights,
+        [crate::light::DeltaLight::Point { position: Vec3::new(0.0, 9.0, 0.0), intensity: Vec3::splat(4.0) }]
+    );
+    let spot = "type = \"spot\"\nposition = [0, 9, 0]\nlook_at = [0, 0, 0]\n";
+    assert_eq!(light(&format!("{spot}power = 1")).delta_lights.len(), 1);
+    assert_eq!(light("type = \"sun\"\ndirection = [0, -2, 0]\nirradiance = 1").delta_lights.len(), 1);
+
+    let refused = |table: &str| refusal(&format!("{GEOMETRY}[[light]]\n{table}\n"));
+    assert_eq!(
+        refused("type = \"point\"\nposition = [0, 1, 0]\nradius = 2\nintensity = 1"),
+        "scene.toml:6: there is no key of a point light 'radius'; did you mean 'type'?"
+    );
+    assert_eq!(refused("type = \"lamp\""), "scene.toml:4: there is no value 'lamp'; did you mean 'quad'?");
+    assert_eq!(
+        refused("type = \"sphere\"\nradius = 2\npower = 1"),
+        "scene.toml:4: expected the key 'position' in a sphere light, found none"
+    );
+    assert_eq!(
+        refused("type = \"point\"\nposition = [0, 1, 0]"),
+        "scene.toml:4: expected intensity or power in a point light, found neither"
+    );
+    assert_eq!(refused(&format!("{spot}power = -1")), "scene.toml:7: expected power ≥ 0, found -1");
+    assert_eq!(
+        refused("type = \"sun\"\ndirection = [0, 0, 0]\nirradiance = 1"),
+        "scene.toml:5: expected a direction by direction, found none"
+    );
+    assert_eq!(refused("position = [0, 1, 0]"), "scene.toml:3: expected a key `type`, found none");
 }
 
 #[test]
@@ -189,7 +345,10 @@ fn values_that_cannot_be_are_told_with_their_line() {
     assert!(camera("look_at = [0, 0, 0]\nfov = \"wide\"\n").starts_with("scene.toml:6:"));
     assert!(camera("").contains("look_at"));
     let geometry = |transform: &str| refusal(&format!("{GEOMETRY}transform = {{ {transform} }}\n"));
-    assert_eq!(geometry("scale = 0"), "scene.toml:3: expected a transform that can be undone, found a singular one");
+    assert_eq!(
+        geometry("scale = 0"),
+        "scene.toml:3: expected a transform that can be undone, found a singular or too large one"
+    );
     assert!(geometry("matrix = [1, 2]").contains("12 or 16 numbers"));
     assert!(geometry("matrix = [1,0,0,0, 0,1,0,0, 0,0,1,0], scale = 2").contains("either matrix or its parts"));
     assert!(
@@ -198,8 +357,8 @@ fn values_that_cannot_be_are_told_with_their_line() {
         geometry("scale = \"big\"")
     );
     let material = |rest: &str| refusal(&format!("{GEOMETRY}[material.wall]\n{rest}"));
-    assert_eq!(material("roughness = 2"), "scene.toml:4: expected a number from 0 to 1, found 2");
-    assert!(material("emission = [1, 2, -3]").contains("expected radiance of 0 or more"));
+    assert_eq!(material("roughness = 2"), "scene.toml:4: expected roughness 0 … 1, found 2");
+    assert_eq!(material("emission = [1, 2, -3]"), "scene.toml:4: expected emission ≥ 0, found -3");
     assert!(refusal("[[geometry]\n").starts_with("scene.toml:1:"));
 }
 

@@ -18,15 +18,14 @@ use glam::Vec3;
 
 use super::super::look::{COMMON_COAT, capped, coated, metal};
 use super::super::notes::Notes;
+use super::super::textures::{TextureFiles, TextureUse};
 use super::entry::MtlEntry;
-use super::texture_file::TextureFiles;
-use super::texture_line::TextureLine;
 use crate::material::{Colour, Material, Surface};
 
 impl MtlEntry {
     /// The material; without its textures when there is nobody to read them.
     pub(super) fn material(&self, mut read: Option<(&mut TextureFiles, &mut Notes)>) -> Material {
-        let mut texture = |colour: Colour, line: &Option<TextureLine>| match (line, &mut read) {
+        let mut texture = |colour: Colour, line: &Option<TextureUse>| match (line, &mut read) {
             (Some(line), Some((files, notes))) => self.textured(colour, line, files, notes),
             _ => colour,
         };
@@ -40,11 +39,11 @@ impl MtlEntry {
         Material { name: self.name.clone(), surface: self.surface(diffuse, specular), emission, maps }
     }
 
-    fn textured(&self, colour: Colour, line: &TextureLine, files: &mut TextureFiles, notes: &mut Notes) -> Colour {
+    fn textured(&self, colour: Colour, line: &TextureUse, files: &mut TextureFiles, notes: &mut Notes) -> Colour {
         match files.colours(line) {
             Ok(texture) => Colour { texture: Some(texture), ..colour },
             Err(why) => {
-                notes.add(format!("material '{}': {why}; its colour is used", self.name));
+                notes.add_missing_texture(format!("material '{}': {why}; its colour is used", self.name));
                 colour
             }
         }
@@ -84,8 +83,7 @@ impl MtlEntry {
 
     /// GGX α, where the material says anything about it.
     fn alpha(&self) -> Option<f32> {
-        let phong = |ns: f32| (2.0 / (ns + 2.0)).sqrt();
-        let alpha = self.roughness_alpha().or(self.shininess.filter(|&ns| ns > 0.0).map(phong));
+        let alpha = self.roughness_alpha().or(self.shininess.filter(|&ns| ns > 0.0).map(alpha_of_phong));
         alpha.map(|alpha| alpha.clamp(0.0, 1.0))
     }
 
@@ -134,6 +132,11 @@ impl MtlEntry {
             _ => Surface::Diffuse { reflectance: capped(diffuse) },
         }
     }
+}
+
+/// GGX α of the width of Phong's lobe.
+pub(super) fn alpha_of_phong(exponent: f32) -> f32 {
+    (2.0 / (exponent + 2.0)).sqrt()
 }
 
 #[cfg(test)]

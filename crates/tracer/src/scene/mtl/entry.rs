@@ -6,8 +6,9 @@ use glam::Vec3;
 
 use super::super::error::Place;
 use super::super::source::logical_lines;
+use super::super::textures::TextureUse;
 use super::SceneError;
-use super::texture_line::TextureLine;
+use super::texture_line;
 
 /// One material of an MTL file, as written; what was not written is `None`.
 #[derive(Debug, Default)]
@@ -34,27 +35,29 @@ pub(super) struct MtlEntry {
     /// `Pm`
     pub(super) metallic: Option<f32>,
     /// `map_Kd`
-    pub(super) diffuse_map: Option<TextureLine>,
+    pub(super) diffuse_map: Option<TextureUse>,
     /// `map_Ks`
-    pub(super) specular_map: Option<TextureLine>,
+    pub(super) specular_map: Option<TextureUse>,
     /// `map_Ke`
-    pub(super) emission_map: Option<TextureLine>,
+    pub(super) emission_map: Option<TextureUse>,
     /// `map_d`
-    pub(super) opacity_map: Option<TextureLine>,
+    pub(super) opacity_map: Option<TextureUse>,
     /// `map_Pr`
-    pub(super) roughness_map: Option<TextureLine>,
+    pub(super) roughness_map: Option<TextureUse>,
+    /// `map_Ns`
+    pub(super) shininess_map: Option<TextureUse>,
     /// `map_Pm`
-    pub(super) metallic_map: Option<TextureLine>,
+    pub(super) metallic_map: Option<TextureUse>,
     /// `norm`
-    pub(super) normal_map: Option<TextureLine>,
+    pub(super) normal_map: Option<TextureUse>,
     /// `bump`, `map_Bump`
-    pub(super) bump_map: Option<TextureLine>,
+    pub(super) bump_map: Option<TextureUse>,
     /// Keys that would change the look but are not supported.
     pub(super) ignored: Vec<&'static str>,
 }
 
 /// Keys that would change the look but are not supported.
-const IGNORED: [&str; 4] = ["disp", "map_ns", "map_tr", "refl"];
+const IGNORED: [&str; 3] = ["disp", "map_tr", "refl"];
 
 impl MtlEntry {
     /// A material that says nothing but its name.
@@ -76,14 +79,15 @@ impl MtlEntry {
             "illum" => self.model = Some(value.number()?.max(0.0) as u32),
             "pr" => self.roughness = Some(value.number()?),
             "pm" => self.metallic = Some(value.number()?),
-            "map_kd" => self.diffuse_map = TextureLine::parse(value.text),
-            "map_ks" => self.specular_map = TextureLine::parse(value.text),
-            "map_ke" => self.emission_map = TextureLine::parse(value.text),
-            "map_d" => self.opacity_map = TextureLine::parse(value.text),
-            "map_pr" => self.roughness_map = TextureLine::parse(value.text),
-            "map_pm" => self.metallic_map = TextureLine::parse(value.text),
-            "norm" | "map_norm" | "map_kn" => self.normal_map = TextureLine::parse(value.text),
-            "bump" | "map_bump" => self.bump_map = TextureLine::parse(value.text),
+            "map_kd" => self.diffuse_map = texture_line::parse(value.text),
+            "map_ks" => self.specular_map = texture_line::parse(value.text),
+            "map_ke" => self.emission_map = texture_line::parse(value.text),
+            "map_d" => self.opacity_map = texture_line::parse(value.text),
+            "map_pr" => self.roughness_map = texture_line::parse(value.text),
+            "map_ns" => self.shininess_map = texture_line::parse(value.text),
+            "map_pm" => self.metallic_map = texture_line::parse(value.text),
+            "norm" | "map_norm" | "map_kn" => self.normal_map = texture_line::parse(value.text),
+            "bump" | "map_bump" => self.bump_map = texture_line::parse(value.text),
             other => self.ignored.extend(IGNORED.iter().find(|&&key| key == other)),
         }
         Ok(())

@@ -3,30 +3,44 @@
 use std::sync::Arc;
 
 use super::super::notes::Notes;
+use super::super::textures::{Channel, TextureFiles, TextureUse};
+use super::convert::alpha_of_phong;
 use super::entry::MtlEntry;
-use super::texture_file::TextureFiles;
-use super::texture_line::{Channel, TextureLine};
 use crate::material::{Grey, SurfaceMaps};
-use crate::texture::Texture;
+use crate::texture::{GreyTexture, Texture};
 
 impl MtlEntry {
     /// The maps; without their textures when there is nobody to read them. What cannot be read is noted.
     pub(super) fn maps(&self, mut read: Option<(&mut TextureFiles, &mut Notes)>) -> SurfaceMaps {
-        let mut grey = |line: &Option<TextureLine>, usual| {
+        let mut grey = |line: &Option<TextureUse>, usual| {
             let (line, (files, notes)) = (line.as_ref()?, read.as_mut()?);
             self.found(files.greys(line, usual), notes)
         };
         let holes = grey(&self.opacity_map, Channel::Alpha);
         let roughness = grey(&self.roughness_map, Channel::Luminance);
         let metallic = grey(&self.metallic_map, Channel::Luminance);
+        let shininess = match (&roughness, &mut read) {
+            (None, Some((files, notes))) => self.shininess_map(files, notes),
+            _ => None,
+        };
         let normals = read.and_then(|(files, notes)| self.normals(files, notes));
         let opacity = self.opacity_factor();
         let mut maps = SurfaceMaps::default();
         maps.opacity = (holes.is_some() || opacity < 1.0).then_some(Grey { factor: opacity, texture: holes });
         maps.normals = normals;
-        maps.roughness = roughness;
+        maps.roughness = roughness.or(shininess);
         maps.metallic = metallic.map(|map| Grey { factor: self.metallic_factor(), texture: Some(map) });
         maps
+    }
+
+    /// `map_Ns`, where it counts: in front of it an `Ns`, and no `Pr` beside it.
+    fn shininess_map(&self, files: &mut TextureFiles, notes: &mut Notes) -> Option<Arc<GreyTexture>> {
+        let line = self.shininess_map.as_ref().filter(|_| self.roughness.is_none())?;
+        let Some(exponent) = self.shininess.filter(|&ns| ns > 0.0) else {
+            notes.add(format!("material '{}': map_Ns without Ns is ignored", self.name));
+            return None;
+        };
+        self.found(files.roughness_of_exponents(line, exponent, alpha_of_phong), notes)
     }
 
     /// `norm`, else `bump`.
@@ -39,7 +53,9 @@ impl MtlEntry {
     }
 
     fn found<T>(&self, texture: Result<T, String>, notes: &mut Notes) -> Option<T> {
-        texture.map_err(|why| notes.add(format!("material '{}': {why}; it is left out", self.name))).ok()
+        texture
+            .map_err(|why| notes.add_missing_texture(format!("material '{}': {why}; it is left out", self.name)))
+            .ok()
     }
 
     /// `d` of what is no glass. Zero is a habit of exporters, not a wish to see nothing.

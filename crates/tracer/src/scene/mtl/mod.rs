@@ -1,10 +1,8 @@
 //! MTL files: materials for OBJ.
 
-mod bump;
 mod convert;
 mod entry;
 mod maps;
-mod texture_file;
 mod texture_line;
 
 use std::path::{Path, PathBuf};
@@ -13,9 +11,9 @@ use super::SceneError;
 use super::notes::Notes;
 use super::obj::find_file;
 use super::source::read_text;
+use super::textures::TextureFiles;
 use crate::material::Material;
 use entry::MtlEntry;
-use texture_file::TextureFiles;
 
 /// All materials of the libraries an OBJ file names, in the order they were added.
 #[derive(Debug)]

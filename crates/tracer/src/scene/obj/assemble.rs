@@ -8,7 +8,7 @@ use glam::{Vec2, Vec3};
 use super::super::Mesh;
 use super::super::mtl::MtlLibrary;
 use super::super::notes::Notes;
-use super::piece::{Event, NONE, Piece};
+use super::piece::{Event, KINDS, NONE, Piece};
 use super::polygon::{cut_concave, fan};
 
 /// Puts the pieces of the file `path` together, whose indices all count from the file's first vertex. Materials are looked
@@ -45,6 +45,12 @@ pub(super) fn assemble(mut pieces: Vec<Piece>, library: &mut MtlLibrary, path: &
 
 /// Says what of the file is not shown.
 fn note_left_out(pieces: &[Piece], path: &Path, notes: &mut Notes) {
+    for (missing, kind) in KINDS[1..].iter().enumerate() {
+        if pieces.iter().any(|piece| piece.misses[missing]) {
+            let path = path.display();
+            notes.add(format!("{path}: faces refer to {kind}s, of which the file has none; they do without"));
+        }
+    }
     let sum = |of: &dyn Fn(&Piece) -> usize| pieces.iter().map(of).sum::<usize>();
     let left_out = [
         (sum(&|piece| piece.skipped_faces), "faces with fewer than three corners"),

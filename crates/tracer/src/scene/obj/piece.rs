@@ -24,6 +24,8 @@ pub(super) struct Piece {
     pub(super) skipped_faces: usize,
     /// Statements left out that would show something: points, lines, curves and surfaces.
     pub(super) skipped: [usize; 3],
+    /// Whether corners refer to texture coordinates and to normals although the file has none at all.
+    pub(super) misses: [bool; 2],
     /// Physical lines.
     pub(super) lines: usize,
     /// What ended the parsing.
@@ -51,7 +53,7 @@ pub(super) struct Mistake {
 /// An index that points to nothing.
 pub(super) const NONE: u32 = u32::MAX;
 
-const KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
+pub(super) const KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 
 /// How many vertices, texture coordinates and normals there are.
 pub(super) type Counts = [usize; 3];
@@ -159,11 +161,16 @@ impl Piece {
     }
 
     /// Makes all indices count from the file's first vertex, when there are `before` in the pieces before this one. Whether
-    /// all exist, when there are `total` in the file.
+    /// all exist, when there are `total` in the file; texture coordinates or normals of which it has none are done without.
     pub(super) fn make_absolute(&mut self, before: Counts, total: Counts) -> bool {
         let mut sound = true;
         for kind in 0..3 {
             let corners = &mut self.corners[kind];
+            if kind > 0 && total[kind] == 0 {
+                self.misses[kind - 1] = !corners.is_empty();
+                corners.clear();
+                continue;
+            }
             for &at in &self.relative[kind] {
                 let index = i64::from(corners[at as usize] as i32) + before[kind] as i64;
                 corners[at as usize] = u32::try_from(index).unwrap_or(NONE - 1);
@@ -186,7 +193,7 @@ pub(super) fn find_out_of_range(text: &str, before: Counts, total: Counts) -> Op
             "vn" => so_far[2] += 1,
             "f" | "fo" => {
                 for (kind, written) in rest.split_ascii_whitespace().filter_map(corner).flat_map(|c| (0..3).zip(c)) {
-                    let Some(written) = written else { continue };
+                    let Some(written) = written.filter(|_| kind == 0 || total[kind] > 0) else { continue };
                     let index = if written < 0 { so_far[kind] as i64 + 1 + written } else { written };
                     if index < 1 || index > total[kind] as i64 {
                         let count = if written > 0 { total[kind] } else { so_far[kind] };

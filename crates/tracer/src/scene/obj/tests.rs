@@ -70,8 +70,8 @@ fn mistakes_are_told_with_their_line() {
         "a.obj:5: expected a vertex that exists (there are 4), found number -5"
     );
     assert_eq!(
-        refusal(&with_corners("f 1/1 2/1 3/1\n")),
-        "a.obj:5: expected a texture coordinate that exists (there are 0), found number 1"
+        refusal(&with_corners("vt 0 0\nf 1/1 2/2 3/1\n")),
+        "a.obj:6: expected a texture coordinate that exists (there are 1), found number 2"
     );
     assert_eq!(refusal(&with_corners("f 1 b 3\n")), "a.obj:5: expected corners like 1, 1/2, 1//3 or 1/2/3, found 'b'");
 }
@@ -126,6 +126,21 @@ fn what_other_programs_write_is_understood() {
     let uv = |t: usize| file.mesh.uvs[file.mesh.triangles[t][0] as usize].x;
     assert_eq!([uv(0), uv(2), uv(3)], [0.0, 0.5, 0.0]);
     assert_eq!(notes.len(), 2, "{notes:?}");
+}
+
+#[test]
+fn normals_that_the_file_has_none_of_are_done_without() {
+    let (file, notes) = read(&with_corners("vt 0 0\nf 1/1/1 2/1/2 3/1/9\nf 1//1 2//1 3//1\n"), &[]);
+    assert_eq!((file.mesh.triangles.len(), file.mesh.normals.len()), (2, 0));
+    assert!(notes[0].ends_with("a.obj: faces refer to normals, of which the file has none; they do without"));
+    let (file, notes) = read(&with_corners("f 1/1 2/1 3/1\n"), &[]);
+    assert_eq!((file.mesh.triangles.len(), notes.len()), (1, 1));
+}
+
+#[test]
+fn some_vertices_may_have_colours() {
+    let (file, notes) = read(b"v 0 0 0 1 0.5 0\nv 2 0 0\nv 0 4 0 2\nf 1 2 3\n", &[]);
+    assert_eq!((file.mesh.positions[2].y, notes.len()), (2.0, 0), "the fourth of four numbers is a divisor");
 }
 
 #[test]
@@ -266,4 +281,32 @@ fn files_are_found_in_the_folder_above() {
     let found = find_file(&folder.path().join("Sub"), "../other/y.PNG").unwrap();
     assert!(found.ends_with("Sub/../Other/Y.png"));
     assert_eq!(find_file(folder.path(), "sub"), None);
+}
+
+#[test]
+fn exponents_may_vary_and_textures_may_be_open_exr() {
+    let grey = image::GrayImage::from_raw(2, 1, vec![0, 255]).unwrap();
+    let size = stack::Size::new(2, 1);
+    let image = stack::Image::from_channels(size, vec![vec![0.25, 3.0], vec![0.5, 0.0], vec![1.0, 0.0]]);
+    let folder = TempDir::new().unwrap();
+    let mut pictures = vec![];
+    for name in ["a.exr", "a.pfm"] {
+        stack::file::write_picture(&folder.path().join(name), &image).unwrap();
+        pictures.push((name, fs::read(folder.path().join(name)).unwrap()));
+    }
+    let mtl = b"newmtl shiny\nKd .2 .2 .2\nKs .3 .3 .3\nNs 198\nmap_Ns grey.png\nmap_Kd a.exr\n\
+        newmtl physical\nPr 0.5\nNs 198\nmap_Ns grey.png\nmap_Kd a.pfm\nnewmtl dull\nmap_Ns grey.png\n";
+    let obj = with_corners("mtllib m.mtl\nusemtl shiny\nf 1 2 3\nusemtl physical\nf 1 2 3\nusemtl dull\nf 1 2 3\n");
+    let grey = png(grey);
+    let mut files = vec![("m.mtl", &mtl[..]), ("grey.png", &grey)];
+    files.extend(pictures.iter().map(|(name, bytes)| (*name, bytes.as_slice())));
+    let (file, notes) = read(&obj, &files);
+    let [shiny, physical, dull] = [0, 1, 2].map(|i| &file.materials[i]);
+    let Surface::Coated { alpha: 0.1, diffuse, .. } = &shiny.surface else { panic!("{:?}", shiny.surface) };
+    assert_eq!(diffuse.texture.as_ref().unwrap().texels, [[0.25, 0.5, 1.0], [3.0, 0.0, 0.0]], "floats are linear");
+    // α is √(2/2) where the exponent is 0, and √(2/200) where it is whole.
+    let roughness = &shiny.maps.roughness.as_ref().unwrap().texels;
+    assert!((0.1 * roughness[0] * roughness[0] - 1.0).abs() < 1e-6 && roughness[1] == 1.0);
+    assert!(physical.maps.roughness.is_none() && dull.maps.roughness.is_none());
+    assert_eq!(notes, ["material 'dull': map_Ns without Ns is ignored"]);
 }

@@ -20,6 +20,18 @@ pub(super) fn normals_of_heights([width, height]: [usize; 2], heights: &[f32], s
     (0..width * height).map(normal).collect()
 }
 
+/// Makes the slopes of a normal map `strength` times as steep.
+pub(super) fn steeper(normals: &mut [[f32; 3]], strength: f32) {
+    if strength == 1.0 {
+        return;
+    }
+    for texel in normals {
+        let normal = 2.0 * Vec3::from_array(*texel) - Vec3::ONE;
+        let steeper = (normal * Vec3::new(strength, strength, 1.0)).normalize_or(Vec3::Z);
+        *texel = (0.5 * (steeper + Vec3::ONE)).to_array();
+    }
+}
+
 /// Whether an image given as a bump map is a normal map, as some exporters have it: bluish, and level on the whole.
 pub(super) fn is_normal_map(pixels: &[[f32; 3]]) -> bool {
     let sum: glam::DVec3 = pixels.iter().map(|p| Vec3::from_array(*p).as_dvec3()).sum();
@@ -40,6 +52,16 @@ mod tests {
         // dh/du = 0.1, dh/dv = (0.5 − 0)/2 = 0.25 texels, twice as high.
         let expected = Vec3::new(-0.2, -0.5, 1.0).normalize();
         assert!((middle - expected).length() < 1e-6, "{middle}");
+    }
+
+    #[test]
+    fn slopes_are_scaled() {
+        let mut normals = normals_of_heights([3, 3], &[0.5, 0.5, 0.5, 0.1, 0.2, 0.3, 0.0, 0.0, 0.0], 1.0);
+        let twice = normals_of_heights([3, 3], &[0.5, 0.5, 0.5, 0.1, 0.2, 0.3, 0.0, 0.0, 0.0], 2.0);
+        steeper(&mut normals, 2.0);
+        for (a, b) in normals.iter().flatten().zip(twice.iter().flatten()) {
+            assert!((a - b).abs() < 1e-6);
+        }
     }
 
     #[test]

@@ -1,0 +1,207 @@
+//! Lights too small to be hit: points, spots and suns. Only light samples find them.
+
+use std::f32::consts::PI;
+
+use glam::{Vec2, Vec3};
+
+use super::{CHOICES, LightSample, Receiver, mean};
+use crate::bsdf::Frame;
+use crate::interaction::Interaction;
+
+/// A light that no ray can hit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DeltaLight {
+    /// Shines the same in all directions.
+    Point {
+        /// Where it is.
+        position: Vec3,
+        /// Radiant intensity, W/sr.
+        intensity: Vec3,
+    },
+    /// Shines into a cone (pbrt-v4, section 12.2.2).
+    Spot {
+        /// Where it is.
+        position: Vec3,
+        /// Unit vector along the axis.
+        axis: Vec3,
+        /// Radiant intensity along the axis, W/sr.
+        intensity: Vec3,
+        /// Cosine of the angle between axis and rim, where nothing arrives.
+        cos_rim: f32,
+        /// Cosine of the smaller angle up to which it shines as along the axis; smooth between.
+        cos_full: f32,
+    },
+    /// Infinitely far away, seen as an even disc.
+    Sun {
+        /// Unit vector along which its light goes.
+        direction: Vec3,
+        /// Irradiance of a surface that faces it, W/m².
+        irradiance: Vec3,
+        /// Diameter of the disc, in radians, below π.
+        angle: f32,
+    },
+}
+
+/// What a light sends to a point.
+#[derive(Clone, Copy, Debug)]
+struct Arrival {
+    /// Unit direction it comes from.
+    direction: Vec3,
+    /// Irradiance of a surface across that direction.
+    irradiance: Vec3,
+    /// Where the light is; `None` at infinity.
+    source: Option<Vec3>,
+}
+
+impl DeltaLight {
+    /// A spot whose rim is `angles[0]` degrees from its axis and which fades over the last `angles[1]` of them.
+    pub fn spot(position: Vec3, axis: Vec3, intensity: Vec3, angles: [f32; 2]) -> Self {
+        let [rim, fade] = angles.map(f32::to_radians);
+        Self::Spot { position, axis, intensity, cos_rim: rim.cos(), cos_full: (rim - fade).cos() }
+    }
+
+    /// The same light, of this power in W. A sun, whose power is infinite, stays as it is.
+    #[must_use]
+    pub fn of_power(self, power: Vec3) -> Self {
+        match self {
+            Self::Point { position, .. } => Self::Point { position, intensity: power / (4.0 * PI) },
+            Self::Spot { position, axis, cos_rim, cos_full, .. } => {
+                let intensity = power / spot_solid_angle(cos_rim, cos_full);
+                Self::Spot { position, axis, intensity, cos_rim, cos_full }
+            }
+            Self::Sun { .. } => self,
+        }
+    }
+
+    /// Power, in W; of a sun, what it sends through a sphere of radius `radius`.
+    fn power(&self, radius: f64) -> f64 {
+        match *self {
+            Self::Point { intensity, .. } => f64::from(4.0 * PI) * mean(intensity),
+            Self::Spot { intensity, cos_rim, cos_full, .. } => {
+                f64::from(spot_solid_angle(cos_rim, cos_full)) * mean(intensity)
+            }
+            Self::Sun { irradiance, .. } => f64::from(PI) * radius * radius * mean(irradiance),
+        }
+    }
+
+    /// What arrives at `point` if nothing is in the way; the point `u` in [0, 1)² says from where on a sun's disc.
+    fn arrival(&self, point: Vec3, u: Vec2) -> Arrival {
+        match *self {
+            Self::Point { position, intensity } => from_near(point, position, intensity),
+            Self::Spot { position, axis, intensity, cos_rim, cos_full } => {
+                let arrival = from_near(point, position, intensity);
+                let share = smoothstep(cos_rim, cos_full, axis.dot(-arrival.direction));
+                Arrival { irradiance: share * arrival.irradiance, ..arrival }
+            }
+            Self::Sun { direction, irradiance, angle } => {
+                let (direction, share) = on_disc(-direction, 0.5 * angle, u);
+                Arrival { direction, irradiance: share * irradiance, source: None }
+            }
+        }
+    }
+}
+
+/// The integral of a spot's falloff over all directions: the smooth step takes half of its zone.
+fn spot_solid_angle(cos_rim: f32, cos_full: f32) -> f32 {
+    2.0 * PI * ((1.0 - cos_full) + 0.5 * (cos_full - cos_rim))
+}
+
+fn from_near(point: Vec3, position: Vec3, intensity: Vec3) -> Arrival {
+    let span = position - point;
+    let distance = span.length();
+    Arrival { direction: span / distance, irradiance: intensity / (distance * distance), source: Some(position) }
+}
+
+/// 0 up to `low`, 1 from `high` on, and 3t² − 2t³ between.
+fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
+    if low >= high {
+        return if x > low { 1.0 } else { 0.0 };
+    }
+    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// A direction uniform over the disc of radius `angle` round `towards`, and what it stands for of the irradiance E of a
+/// surface that faces the disc: its radiance is E/(π sin² a), the solid angle 2π(1 − cos a); their product is E · 2/(1 +
+/// cos a).
+fn on_disc(towards: Vec3, angle: f32, u: Vec2) -> (Vec3, f32) {
+    // 1 − cos, without cancellation.
+    let most = 2.0 * (0.5 * angle).sin().powi(2);
+    let height = u.x * most;
+    let across = Vec2::from_angle(2.0 * PI * u.y) * (height * (2.0 - height)).max(0.0).sqrt();
+    let direction = Frame::new(towards).to_world(across.extend(1.0 - height)).normalize();
+    (direction, 2.0 / (2.0 - most))
+}
+
+/// They take no less than this share of the light samples where there are other lights, which following surfaces finds,
+/// too; and no more than the rest.
+const SMALLEST_SHARE: f64 = 0.25;
+
+/// All of them, ready to be sampled.
+#[derive(Debug)]
+pub(super) struct DeltaLights<'a> {
+    lights: &'a [DeltaLight],
+    /// Of 2³² choices, those that take one of them.
+    choices: u64,
+}
+
+impl<'a> DeltaLights<'a> {
+    /// `lights` in a scene within a sphere of radius `radius` whose other lights have the power `others`.
+    pub(super) fn new(lights: &'a [DeltaLight], radius: f64, others: f64) -> Self {
+        let power: f64 = lights.iter().map(|light| light.power(radius)).sum();
+        let share = match (power > 0.0, others > 0.0) {
+            (false, _) => 0.0,
+            (true, false) => 1.0,
+            (true, true) => (power / (power + others)).clamp(SMALLEST_SHARE, 1.0 - SMALLEST_SHARE),
+        };
+        Self { lights, choices: (share * CHOICES as f64) as u64 }
+    }
+
+    /// The share of choices that is left for other lights.
+    pub(super) fn rest(&self) -> f32 {
+        ((CHOICES - self.choices) as f64 / CHOICES as f64) as f32
+    }
+
+    /// What the whole number `choice` (uniform over 2³²) says: a number in [0, 1) for [`sample`](Self::sample), or else
+    /// one uniform over 2³² for other lights.
+    pub(super) fn split(&self, choice: u32) -> Result<f64, u32> {
+        let choice = u64::from(choice);
+        if choice < self.choices {
+            return Ok(choice as f64 / self.choices as f64);
+        }
+        Err(((choice - self.choices) * CHOICES / (CHOICES - self.choices)) as u32)
+    }
+
+    /// Light that may arrive at `from`. One of the lights is chosen by `choice`, in proportion to what arrives if nothing is
+    /// in the way, for which all are looked at. `None` when nothing does, or only from behind.
+    pub(super) fn sample(&self, from: &Interaction, receiver: Receiver, choice: f64, u: Vec2) -> Option<LightSample> {
+        let arrivals = || self.lights.iter().map(|light| light.arrival(from.position, u));
+        let weight = |arrival: &Arrival| {
+            let counts = receiver.two_sided || receiver.normal.dot(arrival.direction) > 0.0;
+            if counts { mean(arrival.irradiance) } else { 0.0 }
+        };
+        let total: f64 = arrivals().map(|arrival| weight(&arrival)).sum();
+        let mut left = choice * total;
+        let mut chosen = None;
+        for arrival in arrivals() {
+            let weight = weight(&arrival);
+            if weight > 0.0 {
+                chosen = Some((arrival, weight / total));
+                left -= weight;
+                if left < 0.0 {
+                    break;
+                }
+            }
+        }
+        let (Arrival { direction, irradiance, source }, probability) = chosen?;
+        let shadow_ray = match source {
+            Some(position) => from.spawn_to(position, -direction, Vec3::ZERO),
+            None => from.spawn(direction),
+        };
+        let pdf = (probability * self.choices as f64 / CHOICES as f64) as f32;
+        Some(LightSample { direction, radiance: irradiance, pdf, is_delta: true, shadow_ray })
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,91 @@
+//! An image on a surface: `"file.png"`, or a table.
+
+use std::path::PathBuf;
+
+use glam::Vec2;
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::super::textures::{Channel, TextureUse};
+use super::keys::{FINITE, NOT_NEGATIVE, TomlValue, toml_table};
+use super::values::Triple;
+
+toml_table! {
+    /// An image on a surface.
+    pub(super) struct ImageTable {
+        /// PNG, JPEG, TGA, BMP, HDR or EXR, relative to the scene file
+        required file: PathBuf;
+        /// multiplied with what the image says; of a normal or bump map, how much steeper it makes it
+        default factor: Triple = Triple::splat(1.0), NOT_NEGATIVE;
+        /// how often the image repeats over one unit of *u* and *v*
+        default scale: [f32; 2] = [1.0, 1.0], FINITE;
+        /// added to the scaled *u* and *v*
+        default offset: [f32; 2] = [0.0, 0.0], FINITE;
+        /// what lies outside of 0 … 1: the image again, or its border
+        default wrap: Wrap = Wrap::Repeat;
+        /// where a single number is taken from
+        optional channel: ChannelName = "`alpha` for `alpha`, where the image has it; else `luminance`";
+    }
+}
+
+/// What lies outside of an image.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Wrap {
+    Repeat,
+    Clamp,
+}
+
+impl TomlValue for Wrap {
+    fn kind() -> String {
+        "`\"repeat\"` or `\"clamp\"`".into()
+    }
+
+    fn written(&self) -> String {
+        format!("`\"{}\"`", if *self == Self::Repeat { "repeat" } else { "clamp" })
+    }
+}
+
+/// Where a single number is taken from.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum ChannelName {
+    Red,
+    Green,
+    Blue,
+    Alpha,
+    Luminance,
+}
+
+impl TomlValue for ChannelName {
+    fn kind() -> String {
+        "`\"red\"`, `\"green\"`, `\"blue\"`, `\"alpha\"` or `\"luminance\"`".into()
+    }
+}
+
+impl ImageTable {
+    /// The image in `file`, without more ado.
+    pub(super) fn plain(file: &str) -> Self {
+        let file = Spanned::new(0..0, file.into());
+        Self { file, factor: None, scale: None, offset: None, wrap: None, channel: None }
+    }
+
+    /// Which image, and how it is laid.
+    pub(super) fn texture_use(&self) -> TextureUse {
+        let channel = self.channel().map(|name| match name {
+            ChannelName::Red => Channel::Red,
+            ChannelName::Green => Channel::Green,
+            ChannelName::Blue => Channel::Blue,
+            ChannelName::Alpha => Channel::Alpha,
+            ChannelName::Luminance => Channel::Luminance,
+        });
+        TextureUse {
+            file: self.file().to_string_lossy().into_owned(),
+            scale: Vec2::from_array(self.scale()),
+            offset: Vec2::from_array(self.offset()),
+            clamp: self.wrap() == Wrap::Clamp,
+            strength: self.factor().0[0] as f32,
+            channel,
+        }
+    }
+}

@@ -1,0 +1,37 @@
+//! Which image, and how it is laid on a surface.
+
+use glam::Vec2;
+
+/// Which image, and how it is laid on a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub(in super::super) struct TextureUse {
+    /// File name as written, blanks and all.
+    pub(in super::super) file: String,
+    /// How often the image repeats over one unit of the texture coordinates.
+    pub(in super::super) scale: Vec2,
+    /// What is added to the scaled texture coordinates.
+    pub(in super::super) offset: Vec2,
+    /// Whether the image ends at its border, whose colour goes on outside, instead of repeating.
+    pub(in super::super) clamp: bool,
+    /// Of a height map, how many texels wide a height of 1 is high; of a normal map, a factor on its slopes.
+    pub(in super::super) strength: f32,
+    /// Which channel a single number is taken from, where it is said.
+    pub(in super::super) channel: Option<Channel>,
+}
+
+/// Where a texture of single numbers takes them from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(in super::super) enum Channel {
+    Red,
+    Green,
+    Blue,
+    Alpha,
+    Luminance,
+}
+
+impl TextureUse {
+    /// An image that covers texture coordinates 0 … 1 once, and repeats.
+    pub(in super::super) const fn plain(file: String) -> Self {
+        Self { file, scale: Vec2::ONE, offset: Vec2::ZERO, clamp: false, strength: 1.0, channel: None }
+    }
+}

@@ -1,0 +1,57 @@
+//! Ends the process when an input takes too long.
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// Longest that an input may take.
+const LONGEST: Duration = Duration::from_secs(10);
+
+/// Looks at the clock from a thread of its own.
+pub struct Watchdog {
+    start: Instant,
+}
+
+/// Milliseconds since the start at which the current input began, plus one; 0 between inputs.
+static BEGAN: AtomicU64 = AtomicU64::new(0);
+/// Milliseconds that the slowest input took.
+static SLOWEST: AtomicU64 = AtomicU64::new(0);
+
+impl Watchdog {
+    /// Starts; `input` is where the current input can be found.
+    pub fn start(input: PathBuf) -> Self {
+        let start = Instant::now();
+        thread::spawn(move || {
+            loop {
+                thread::sleep(Duration::from_millis(200));
+                let began = BEGAN.load(Ordering::Relaxed);
+                if began > 0 && start.elapsed() > Duration::from_millis(began) + LONGEST {
+                    eprintln!("an input takes longer than {} s; it is in {}", LONGEST.as_secs(), input.display());
+                    std::process::abort();
+                }
+            }
+        });
+        Self { start }
+    }
+
+    fn now(&self) -> u64 {
+        self.start.elapsed().as_millis() as u64 + 1
+    }
+
+    /// An input begins.
+    pub fn begin(&self) {
+        BEGAN.store(self.now(), Ordering::Relaxed);
+    }
+
+    /// It has ended.
+    pub fn end(&self) {
+        let took = self.now().saturating_sub(BEGAN.swap(0, Ordering::Relaxed));
+        SLOWEST.fetch_max(took, Ordering::Relaxed);
+    }
+
+    /// How long the slowest input took.
+    pub fn longest(&self) -> Duration {
+        Duration::from_millis(SLOWEST.load(Ordering::Relaxed))
+    }
+}
