@@ -57,7 +57,7 @@ pub(super) struct Image(pub(super) ImageTable);
 
 impl<T: TomlValue> TomlValue for Textured<T> {
     fn kind() -> String {
-        format!("{}, or image", T::kind())
+        format!("image, or {}", T::kind())
     }
 
     fn numbers(&self) -> Vec<f64> {

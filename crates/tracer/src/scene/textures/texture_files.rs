@@ -52,7 +52,7 @@ impl<'a> TextureFiles<'a> {
         Self { folder, colours: HashMap::new(), normals: HashMap::new(), greys: HashMap::new() }
     }
 
-    /// The colours of the image named.
+    /// The colours of an image.
     ///
     /// # Errors
     /// In words, why there are none.
@@ -60,7 +60,7 @@ impl<'a> TextureFiles<'a> {
         made(self.folder, texture, (), &mut self.colours, |image| Ok(linear_rgb(image)))
     }
 
-    /// The normal map that is named.
+    /// The normals of a normal map.
     ///
     /// # Errors
     /// In words, why there is none.
@@ -73,7 +73,7 @@ impl<'a> TextureFiles<'a> {
         })
     }
 
-    /// Normals of the heights that the image named; what looks like a normal map is taken for one.
+    /// Normals of the heights of an image; what looks like a normal map is taken for one.
     ///
     /// # Errors
     /// In words, why there are none.
@@ -89,8 +89,7 @@ impl<'a> TextureFiles<'a> {
         })
     }
 
-    /// One number a pixel: of the channel is named, else of `usual`; an image without alpha has luminance for
-    /// it.
+    /// One number a pixel: of the channel that is asked for, else of `usual`; an image without alpha has luminance for it.
     ///
     /// # Errors
     /// In words, why there are none.
