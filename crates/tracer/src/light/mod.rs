@@ -1,7 +1,7 @@
 //! Where light comes from: triangles that emit, the sky, and lights too small to be hit.
 //!
 //! First the sky, the lamps or the lights too small to be hit are chosen, by power; then one of the lamps, by what it may
-//! send to the surface that asks ([`tree`]). The sky stays out of the tree: it has no place, so there is no distance to
+//! send to the surface that asks (`tree`). The sky stays out of the tree: it has no place, so there is no distance to
 //! weigh against the lamps'.
 
 mod delta;

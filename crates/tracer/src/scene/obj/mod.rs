@@ -1,7 +1,7 @@
 //! Wavefront OBJ files.
 //!
-//! The text is cut into pieces at the ends of lines, which are parsed side by side ([`piece`]) and put together in order
-//! ([`assemble`]): indices may point ahead, so they can be checked only when all pieces are there. [`polygon`] cuts faces
+//! The text is cut into pieces at the ends of lines, which are parsed side by side (`piece`) and put together in order
+//! (`assemble`): indices may point ahead, so they can be checked only when all pieces are there. `polygon` cuts faces
 //! into triangles.
 
 mod assemble;
@@ -76,10 +76,10 @@ fn parse(text: &str, size: usize, path: &Path) -> Result<Vec<Piece>, SceneError>
     let (before, total) = sums_before(&pieces, Piece::counts);
     let sound: Vec<bool> =
         pieces.par_iter_mut().zip(&before).map(|(piece, before)| piece.make_absolute(*before, total)).collect();
-    if let Some(first) = sound.iter().position(|sound| !sound) {
-        if let Some(mistake) = find_out_of_range(texts[first], before[first], total) {
-            return Err(fault(lines_before[first][0], mistake));
-        }
+    if let Some(first) = sound.iter().position(|sound| !sound)
+        && let Some(mistake) = find_out_of_range(texts[first], before[first], total)
+    {
+        return Err(fault(lines_before[first][0], mistake));
     }
     Ok(pieces)
 }

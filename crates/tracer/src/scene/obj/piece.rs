@@ -10,7 +10,7 @@ pub(super) struct Piece {
     pub(super) positions: Vec<Vec3>,
     pub(super) uvs: Vec<Vec2>,
     pub(super) normals: Vec<Vec3>,
-    /// Corners of all faces, by [`Kind`]: zero-based indices of vertex, texture coordinate and normal; [`NONE`] for what
+    /// Corners of all faces, by kind: zero-based indices of vertex, texture coordinate and normal; [`NONE`] for what
     /// there is not. The last two are empty when no corner has any.
     pub(super) corners: [Vec<u32>; 3],
     /// Which of the corners' indices count from the piece's first vertex, and may be negative.
