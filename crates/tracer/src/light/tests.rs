@@ -35,7 +35,7 @@ const UP: Receiver = Receiver { position: FLOOR_POINT, normal: Vec3::Y, two_side
 const FLOOR_POINT: Vec3 = Vec3::new(0.1, 0.0, -0.2);
 
 /// A point of a floor facing up.
-fn floor_point(material: &Material) -> Interaction<'_> {
+pub(super) fn floor_point(material: &Material) -> Interaction<'_> {
     Interaction {
         position: FLOOR_POINT,
         position_error: Vec3::ZERO,

@@ -1,3 +1,4 @@
+use super::super::tests::floor_point;
 use super::*;
 use crate::bsdf::chi_square::Random;
 use crate::material::{Colour, Material, Surface};
@@ -5,18 +6,7 @@ use crate::material::{Colour, Material, Surface};
 const ANY: Receiver = Receiver { position: Vec3::ZERO, normal: Vec3::Y, two_sided: true };
 
 fn floor_at(position: Vec3, material: &Material) -> Interaction<'_> {
-    Interaction {
-        position,
-        position_error: Vec3::ZERO,
-        geometric_normal: Vec3::Y,
-        shading_normal: Vec3::Y,
-        uv: Vec2::ZERO,
-        outgoing: Vec3::Y,
-        distance: 1.0,
-        time: 0.0,
-        emitter: None,
-        material,
-    }
+    Interaction { position, ..floor_point(material) }
 }
 
 fn dull() -> Material {
