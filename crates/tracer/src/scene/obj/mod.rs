@@ -76,12 +76,9 @@ fn parse(text: &str, size: usize, path: &Path) -> Result<Vec<Piece>, SceneError>
     let (before, total) = sums_before(&pieces, Piece::counts);
     let sound: Vec<bool> =
         pieces.par_iter_mut().zip(&before).map(|(piece, before)| piece.make_absolute(*before, total)).collect();
-    if let Some(first) = sound.iter().position(|sound| !sound) {
-        if let Some(mistake) = find_out_of_range(texts[first], before[first], total) {
-            return Err(fault(lines_before[first][0], mistake));
-        }
-    }
-    Ok(pieces)
+    let first = sound.iter().position(|sound| !sound);
+    let mistake = first.and_then(|i| Some((i, find_out_of_range(texts[i], before[i], total)?)));
+    mistake.map_or(Ok(pieces), |(i, mistake)| Err(fault(lines_before[i][0], mistake)))
 }
 
 /// For each piece the sums of what `of` tells of those before it; and the sums of all.
