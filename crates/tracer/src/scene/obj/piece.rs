@@ -145,7 +145,7 @@ impl Piece {
         corners.resize(at, NONE);
         if written > 0 {
             // What is greater than any count is out of range, and stays so.
-            corners.push(u32::try_from(written - 1).unwrap_or(NONE - 1));
+            corners.push(u32::try_from(written - 1).unwrap_or(NONE).min(NONE - 1));
             return;
         }
         let count = [self.positions.len(), self.uvs.len(), self.normals.len()][kind] as i64;

@@ -96,6 +96,7 @@ fn pieces_of_any_size_make_the_same_mesh_and_the_same_mistakes() {
     for (wrong, expected) in [
         ("v 1\n", "a.obj:21: expected v and three numbers, found 'v 1'"),
         ("f 1 2 6\n", "a.obj:21: expected a vertex that exists (there are 5), found number 6"),
+        ("f 1 2 4294967296\n", "a.obj:21: expected a vertex that exists (there are 5), found number 4294967296"),
         ("f -6 2 1\n", "a.obj:21: expected a vertex that exists (there are 5), found number -6"),
     ] {
         for size in [1, 40, 1000] {
