@@ -93,8 +93,6 @@ fn fast() -> BestSettings {
     let tiny_sigma = 3.0;
     let regression = FitSettings { stride: 6, covered: 0.3, first_radius, second_radius, ..FitSettings::DEFAULT };
     best.regression = FitSettings { tiny_sigma, ..regression };
-    // Nothing takes blotches off, so events are spread wider.
-    best.spread.events = 8.0;
     best.spread.levels = 0;
     best.cascade.levels = 4;
     best.restore.levels = 2;

@@ -71,7 +71,7 @@ stack::knobs! {
     /// How events are spread.
     pub struct SpreadSettings("spread") {
         /// Events that an event's surroundings must hold before it is spread no wider.
-        events: f32 = 6.0, 1.0..=1000.0;
+        events: f32 = 8.0, 1.0..=1000.0;
         /// Weight of a difference in the logarithm of brightness against one in features.
         brightness: f32 = 1.5, 0.0..=100.0;
         /// Scale of the differences between features that separate surfaces.
