@@ -89,19 +89,17 @@ fn run(target: Target, count: u64, seed: u64) -> io::Result<u64> {
         let taken = MEMORY.peak_usage().saturating_sub(before);
         let allowed = target.allowed_bytes(bytes.len());
         worst = worst.max(taken as f64 / allowed as f64);
-        let fault = match outcome {
-            Err(_) => Some("panic".to_string()),
-            Ok(_) if taken > allowed => Some(format!("{taken} bytes of memory for {} of input", bytes.len())),
+        let what = match outcome {
+            Err(_) => "panic".to_string(),
+            Ok(_) if taken > allowed => format!("{taken} bytes of memory for {} of input", bytes.len()),
             Ok(was_read) => {
                 accepted += u64::from(was_read.is_ok());
-                None
+                continue;
             }
         };
-        if let Some(what) = fault {
-            faults += 1;
-            let kept = keep(home, target, seed, number, &bytes)?;
-            eprintln!("{} {number}: {what}; kept in {}", target.name(), kept.display());
-        }
+        faults += 1;
+        let kept = keep(home, target, seed, number, &bytes)?;
+        eprintln!("{} {number}: {what}; kept in {}", target.name(), kept.display());
     }
     println!(
         "{}: {count} inputs of seed {seed}, {accepted} read, {} refused, {faults} faults; longest {:.2} s, at most {:.0} % of \

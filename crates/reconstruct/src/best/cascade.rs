@@ -59,8 +59,7 @@ pub fn add_significant_residual(
 ) -> Result<(), Cancelled> {
     monitor.begin("cascade", settings.levels as u64);
     let Parts { images, shares } = parts;
-    let significance = if shares.len() > 2 { settings.significance } else { settings.significance_of_two };
-    let parting = Parting { shares, relative: relative_to(brightness), significance };
+    let parting = Parting::new(shares, brightness, settings);
     let mut residual = residuals(images, picture);
     let mut found = vec![vec![0.0; picture.pixels()]; 3];
     let mut pending: Vec<Pending> = Vec::new();
@@ -70,19 +69,13 @@ pub fn add_significant_residual(
             return Err(Cancelled);
         }
         let (step, last) = (1 << level, level >= settings.levels);
-        let kept = if last { 0 } else { residual.len() };
-        let powers = pending.iter().flat_map(Pending::powers);
-        let planes: Vec<&Vec<f32>> = residual[..kept].iter().chain(powers).collect();
-        let mut smooth = kernel.smooth(&planes, step).into_iter();
-        let coarse: Vec<Vec<f32>> = smooth.by_ref().take(kept).collect();
-        pending.iter_mut().flat_map(Pending::powers_mut).zip(smooth).for_each(|(power, smooth)| *power = smooth);
+        let coarse = smoothed(kernel, step, if last { &[] } else { &residual }, &mut pending);
         if level + 1 >= SMOOTHINGS && !pending.is_empty() {
             pending.remove(0).add_significant(&mut found);
         }
         if !last {
             let mut detail = parting.detail(&residual, &coarse);
-            let powers = kernel.smooth(&detail.powers().collect::<Vec<_>>(), step);
-            detail.powers_mut().zip(powers).for_each(|(power, smooth)| *power = smooth);
+            smoothed(kernel, step, &[], std::slice::from_mut(&mut detail));
             pending.push(detail);
             residual = coarse;
             monitor.advance(1);
@@ -96,6 +89,15 @@ pub fn add_significant_residual(
         }
     });
     Ok(())
+}
+
+/// `residual`, smoothed by `kernel` with taps `step` pixels apart; along with it, in place, what is `pending`.
+fn smoothed(kernel: &GuidedKernel, step: usize, residual: &[Vec<f32>], pending: &mut [Pending]) -> Vec<Vec<f32>> {
+    let planes: Vec<&Vec<f32>> = residual.iter().chain(pending.iter().flat_map(Pending::powers)).collect();
+    let mut smooth = kernel.smooth(&planes, step).into_iter();
+    let coarse = smooth.by_ref().take(residual.len()).collect();
+    pending.iter_mut().flat_map(Pending::powers_mut).zip(smooth).for_each(|(power, smooth)| *power = smooth);
+    coarse
 }
 
 /// One over the squared luminance of a picture.
@@ -131,6 +133,8 @@ struct Parting {
     /// What squares are multiplied by.
     relative: Vec<f32>,
     significance: f32,
+    /// The part that each signal does without; none when there are but two.
+    without: Vec<Option<usize>>,
 }
 
 /// One scale of the residual, whose significance is not known yet.
@@ -144,23 +148,28 @@ struct Pending {
 }
 
 impl Parting {
+    fn new(shares: Vec<Vec<f32>>, brightness: &Image, settings: &CascadeSettings) -> Self {
+        let (significance, without) = match shares.len() {
+            ..=2 => (settings.significance_of_two, vec![None]),
+            parts => (settings.significance, (0..parts).map(Some).collect()),
+        };
+        Self { shares, relative: relative_to(brightness), significance, without }
+    }
+
     /// What the residual `fine` has beyond `coarse`.
     fn detail(&self, fine: &[Vec<f32>], coarse: &[Vec<f32>]) -> Pending {
-        let parts = self.shares.len();
         let pixel = |pixel: usize| {
-            let share = |g: usize| self.shares[g][pixel];
             let mut numbers = [0.0; 4 + MOST_PARTS];
             for c in 0..3 {
-                let at = |g: usize| fine[3 * g + c][pixel] - coarse[3 * g + c][pixel];
-                let moments = |without: Option<usize>| -> Moments {
-                    (0..parts).filter(|g| Some(*g) != without).map(|g| Moments::of(share(g), at(g))).sum()
-                };
-                let all = moments(None);
-                numbers[c] = all.first;
-                numbers[3] += all.first * all.first;
-                match parts {
-                    ..=2 => numbers[4] += all.signal(self.significance),
-                    _ => (0..parts).for_each(|g| numbers[4 + g] += moments(Some(g)).signal(self.significance)),
+                let mut parts = [Moments::default(); MOST_PARTS];
+                for (g, (part, share)) in parts.iter_mut().zip(&self.shares).enumerate() {
+                    *part = Moments::of(share[pixel], fine[3 * g + c][pixel] - coarse[3 * g + c][pixel]);
+                }
+                let mean = Moments::sum(&parts, None).first;
+                numbers[c] = mean;
+                numbers[3] += mean * mean;
+                for (signal, without) in numbers[4..].iter_mut().zip(&self.without) {
+                    *signal += Moments::sum(&parts, *without).signal(self.significance);
                 }
             }
             numbers[3..].iter_mut().for_each(|square| *square *= self.relative[pixel]);
@@ -170,7 +179,7 @@ impl Parting {
         Pending {
             mean: planes.by_ref().take(3).collect(),
             square: planes.next().unwrap_or_default(),
-            signals: planes.take(if parts > 2 { parts } else { 1 }).collect(),
+            signals: planes.take(self.without.len()).collect(),
         }
     }
 }
@@ -190,6 +199,17 @@ impl Moments {
         Self { filled: usize::from(share > 0.0), share, first: share * value, second: share * value * value }
     }
 
+    /// Sums over `parts` but the one `without`.
+    fn sum(parts: &[Self], without: Option<usize>) -> Self {
+        let others = parts.iter().enumerate().filter(|(g, _)| Some(*g) != without);
+        others.fold(Self::default(), |sum, (_, part)| Self {
+            filled: sum.filled + part.filled,
+            share: sum.share + part.share,
+            first: sum.first + part.first,
+            second: sum.second + part.second,
+        })
+    }
+
     /// m² − c v of the mean m, whose variance is v and c the significance; 0 where one part says nothing of it.
     fn signal(self, significance: f32) -> f32 {
         if self.filled < 2 {
@@ -198,17 +218,6 @@ impl Moments {
         let mean = self.first / self.share;
         let variance = (self.second / self.share - mean * mean).max(0.0) / (self.filled - 1) as f32;
         mean * mean - significance * variance
-    }
-}
-
-impl std::iter::Sum for Moments {
-    fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
-        all.fold(Self::default(), |a, b| Self {
-            filled: a.filled + b.filled,
-            share: a.share + b.share,
-            first: a.first + b.first,
-            second: a.second + b.second,
-        })
     }
 }
 

@@ -51,12 +51,12 @@ impl TriangleBvh {
         for chunk in chunks(&mut all, &|t| Bounds::of(vertices_of(t)).centre(), size) {
             let boxes: Vec<Bounds> = chunk.iter().map(|&t| Bounds::of(vertices_of(t))).collect();
             let Some((tree, leaves)) = WideBvh::build(&boxes, LANES as u32) else { continue };
-            let of_leaf = |members: &Vec<u32>| {
-                let members: Vec<u32> = members.iter().map(|&member| chunk[member as usize]).collect();
+            let of_leaf = |mut members: Vec<u32>| {
+                members.iter_mut().for_each(|member| *member = chunk[*member as usize]);
                 Packet::new(&members, &vertices_of)
             };
             trees.push((tree, packets.len()));
-            packets.extend(leaves.iter().map(of_leaf));
+            packets.extend(leaves.into_iter().map(of_leaf));
         }
         packets.shrink_to_fit();
         Some(Self { tree: WideBvh::join(trees)?, packets })

@@ -4,7 +4,8 @@ use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3};
 
-use super::{CHOICES, LightSample, Receiver, mean};
+use super::fork::Fork;
+use super::{LightSample, Receiver, mean};
 use crate::bsdf::Frame;
 use crate::interaction::Interaction;
 
@@ -141,38 +142,23 @@ const SMALLEST_SHARE: f64 = 0.25;
 #[derive(Debug)]
 pub(super) struct DeltaLights<'a> {
     lights: &'a [DeltaLight],
-    /// Of 2³² choices, those that take one of them.
-    choices: u64,
+    /// Between them and all other lights.
+    fork: Fork,
 }
 
 impl<'a> DeltaLights<'a> {
     /// `lights` in a scene within a sphere of radius `radius` whose other lights have the power `others`.
     pub(super) fn new(lights: &'a [DeltaLight], radius: f64, others: f64) -> Self {
         let power: f64 = lights.iter().map(|light| light.power(radius)).sum();
-        let share = match (power > 0.0, others > 0.0) {
-            (false, _) => 0.0,
-            (true, false) => 1.0,
-            (true, true) => (power / (power + others)).clamp(SMALLEST_SHARE, 1.0 - SMALLEST_SHARE),
-        };
-        Self { lights, choices: (share * CHOICES as f64) as u64 }
+        Self { lights, fork: Fork::new(power, others, SMALLEST_SHARE..=1.0 - SMALLEST_SHARE) }
     }
 
-    /// The share of choices that is left for other lights.
-    pub(super) fn rest(&self) -> f32 {
-        ((CHOICES - self.choices) as f64 / CHOICES as f64) as f32
+    /// The choice between them and all other lights.
+    pub(super) fn fork(&self) -> Fork {
+        self.fork
     }
 
-    /// What the whole number `choice` (uniform over 2³²) says: a number in [0, 1) for [`sample`](Self::sample), or else
-    /// one uniform over 2³² for other lights.
-    pub(super) fn split(&self, choice: u32) -> Result<f64, u32> {
-        let choice = u64::from(choice);
-        if choice < self.choices {
-            return Ok(choice as f64 / self.choices as f64);
-        }
-        Err(((choice - self.choices) * CHOICES / (CHOICES - self.choices)) as u32)
-    }
-
-    /// Light that may arrive at `from`. One of the lights is chosen by `choice`, in proportion to what arrives if nothing is
+    /// Light that may arrive at `from`. One of the lights is chosen by `choice`, in [0, 1), in proportion to what arrives if nothing is
     /// in the way, for which all are looked at. `None` when nothing does, or only from behind.
     pub(super) fn sample(&self, from: &Interaction, receiver: Receiver, choice: f64, u: Vec2) -> Option<LightSample> {
         let arrivals = || self.lights.iter().map(|light| light.arrival(from.position, u));
@@ -198,7 +184,7 @@ impl<'a> DeltaLights<'a> {
             Some(position) => from.spawn_to(position, -direction, Vec3::ZERO),
             None => from.spawn(direction),
         };
-        let pdf = (probability * self.choices as f64 / CHOICES as f64) as f32;
+        let pdf = (probability * self.fork.share()) as f32;
         Some(LightSample { direction, radiance: irradiance, pdf, is_delta: true, shadow_ray })
     }
 }

@@ -5,6 +5,7 @@
 //! weigh against the lamps'.
 
 mod delta;
+mod fork;
 mod light_bounds;
 mod normal_cone;
 mod sky;
@@ -15,6 +16,7 @@ use std::f32::consts::PI;
 
 pub use delta::DeltaLight;
 use delta::DeltaLights;
+use fork::Fork;
 use glam::{Vec2, Vec3};
 use light_bounds::LightBounds;
 use normal_cone::NormalCone;
@@ -63,8 +65,8 @@ pub struct Lights<'a> {
     delta: DeltaLights<'a>,
     lamps: &'a LightTree,
     sky: Option<Sky<'a>>,
-    /// Of 2³² choices, those that take the sky.
-    sky_choices: u64,
+    /// Between the sky and the lamps.
+    fork: Fork,
 }
 
 impl<'a> Lights<'a> {
@@ -77,27 +79,22 @@ impl<'a> Lights<'a> {
         let radius = f64::from(scene.bounds().max.distance(scene.bounds().min)) / 2.0;
         let sky_power =
             scene.environment.as_ref().map_or(0.0, |e| 4.0 * f64::from(PI * PI) * radius * radius * mean(e.mean()));
-        let share = match (sky_power > 0.0, lamps.power() > 0.0) {
-            (false, _) => 0.0,
-            (true, false) => 1.0,
-            (true, true) => (sky_power / (sky_power + lamps.power())).min(LARGEST_SKY_SHARE),
-        };
+        let fork = Fork::new(sky_power, lamps.power(), 0.0..=LARGEST_SKY_SHARE);
         let delta = DeltaLights::new(&scene.delta_lights, radius, sky_power + lamps.power());
-        Self { scene, delta, lamps, sky, sky_choices: (share * CHOICES as f64) as u64 }
+        Self { scene, delta, lamps, sky, fork }
     }
 
     /// Chooses a light by the whole number `choice` (uniform over 2³²) and a point on it by `u` in [0, 1)², for the
     /// surface `receiver` at `from`. `None` when no light comes from there: there is no light, or it shines away.
     pub fn sample_light(&self, from: &Interaction, receiver: Receiver, choice: u32, u: Vec2) -> Option<LightSample> {
-        let choice = match self.delta.split(choice) {
+        let choice = match self.delta.fork().take(choice) {
             Ok(choice) => return self.delta.sample(from, receiver, choice, u),
-            Err(rest) => u64::from(rest),
+            Err(rest) => rest,
         };
-        if choice < self.sky_choices {
+        let Err(choice) = self.fork.take(choice) else {
             return self.sky?.sample(from, receiver, u).map(|sample| scaled(sample, self.sky_share()));
-        }
-        let rest = CHOICES - self.sky_choices;
-        let lamp = self.lamps.sample_lamp(&receiver, ((choice - self.sky_choices) * CHOICES / rest) as u32)?;
+        };
+        let lamp = self.lamps.sample_lamp(&receiver, choice)?;
         let light = self.scene.emitter_at(lamp.index, from.time);
         let sample = triangle::sample(&light, &self.scene.materials[light.material as usize], from, u)?;
         Some(scaled(sample, self.lamp_share() * lamp.probability))
@@ -135,11 +132,11 @@ impl<'a> Lights<'a> {
     }
 
     fn sky_share(&self) -> f32 {
-        self.delta.rest() * (self.sky_choices as f64 / CHOICES as f64) as f32
+        self.delta.fork().rest() * self.fork.share() as f32
     }
 
     fn lamp_share(&self) -> f32 {
-        self.delta.rest() - self.sky_share()
+        self.delta.fork().rest() - self.sky_share()
     }
 }
 
@@ -153,9 +150,6 @@ fn lamp(scene: &Scene, index: usize) -> LightBounds {
         power: f64::from(PI * emitter.area) * mean(emitter.radiance),
     }
 }
-
-/// How many different whole numbers a choice can be.
-const CHOICES: u64 = 1 << 32;
 
 /// Mean of the channels; 0 for a radiance nobody could mean.
 fn mean(radiance: Vec3) -> f64 {

@@ -17,8 +17,9 @@ impl Notes {
 
     /// Says that a texture is missing or cannot be read, and counts it, unless it has been said.
     pub(super) fn add_missing_texture(&mut self, note: String) {
-        self.missing_textures += usize::from(!self.lines.contains(&note));
+        let before = self.lines.len();
         self.add(note);
+        self.missing_textures += self.lines.len() - before;
     }
 
     /// Textures of materials that are missing or cannot be read.

@@ -115,10 +115,10 @@ fn choices_are_shared_with_other_lights() {
     let lights = [DeltaLight::Point { position: Vec3::Y, intensity: Vec3::ONE }];
     for (others, rest) in [(0.0, 0.0), (1e-6, 0.25), (f64::from(4.0 * PI), 0.5), (1e9, 0.75)] {
         let all = DeltaLights::new(&lights, 1.0, others);
-        assert!((all.rest() - rest).abs() < 1e-6);
+        assert!((all.fork().rest() - rest).abs() < 1e-6);
         let (mut own, mut least, mut most) = (0, u32::MAX, 0);
         for i in 0..1 << 12 {
-            match all.split(i << 20 | 1 << 19) {
+            match all.fork().take(i << 20 | 1 << 19) {
                 Ok(choice) => own += u32::from((0.0..1.0).contains(&choice)),
                 Err(other) => (least, most) = (least.min(other), most.max(other)),
             }
@@ -126,5 +126,5 @@ fn choices_are_shared_with_other_lights() {
         assert!((f64::from(own) / 4096.0 + f64::from(rest) - 1.0).abs() < 1e-3);
         assert!(rest == 0.0 || (least < 1 << 22 && most > u32::MAX - (1 << 22)), "the rest is uniform again");
     }
-    assert_eq!(DeltaLights::new(&[], 1.0, 1.0).rest(), 1.0);
+    assert_eq!(DeltaLights::new(&[], 1.0, 1.0).fork().rest(), 1.0);
 }

@@ -12,6 +12,7 @@ use glam::{DVec3, Vec3};
 use node::{Child, LANES, Node};
 
 use super::Receiver;
+use super::fork::CHOICES;
 use super::light_bounds::LightBounds;
 
 /// A tree over lamps.
@@ -36,9 +37,6 @@ pub(super) struct ChosenLamp {
 /// Slot of lamps that are never chosen, and of the root.
 const NOWHERE: u32 = u32::MAX;
 
-/// How many different whole numbers a choice can be.
-const CHOICES: f64 = 4_294_967_296.0;
-
 impl LightTree {
     /// A tree over `lamps`, which keep their indices. Lamps whose power is 0 are never chosen.
     pub(super) fn new(lamps: &[LightBounds]) -> Self {
@@ -54,7 +52,7 @@ impl LightTree {
     pub(super) fn sample_lamp(&self, receiver: &Receiver, choice: u32) -> Option<ChosenLamp> {
         let position = self.scale.position(receiver.position);
         // What is left of the number after a decision is as uniform as it was, and makes the next one.
-        let mut choice = (f64::from(choice) + 0.5) / CHOICES;
+        let mut choice = (f64::from(choice) + 0.5) / CHOICES as f64;
         let mut probability = 1.0;
         let mut node = self.nodes.first()?;
         loop {

@@ -24,7 +24,7 @@ toml_table! {
         /// what lies outside of 0 … 1: the image again, or its border
         default wrap: Wrap = Wrap::Repeat;
         /// where a single number is taken from
-        optional channel: ChannelName = "`alpha` for `alpha`, where the image has it; else `luminance`";
+        optional channel: Channel = "`alpha` for `alpha`, where the image has it; else `luminance`";
     }
 }
 
@@ -46,18 +46,7 @@ impl TomlValue for Wrap {
     }
 }
 
-/// Where a single number is taken from.
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum ChannelName {
-    Red,
-    Green,
-    Blue,
-    Alpha,
-    Luminance,
-}
-
-impl TomlValue for ChannelName {
+impl TomlValue for Channel {
     fn kind() -> String {
         "`\"red\"`, `\"green\"`, `\"blue\"`, `\"alpha\"` or `\"luminance\"`".into()
     }
@@ -72,20 +61,13 @@ impl ImageTable {
 
     /// Which image, and how it is laid.
     pub(super) fn texture_use(&self) -> TextureUse {
-        let channel = self.channel().map(|name| match name {
-            ChannelName::Red => Channel::Red,
-            ChannelName::Green => Channel::Green,
-            ChannelName::Blue => Channel::Blue,
-            ChannelName::Alpha => Channel::Alpha,
-            ChannelName::Luminance => Channel::Luminance,
-        });
         TextureUse {
             file: self.file().to_string_lossy().into_owned(),
             scale: Vec2::from_array(self.scale()),
             offset: Vec2::from_array(self.offset()),
             clamp: self.wrap() == Wrap::Clamp,
             strength: self.factor().0[0] as f32,
-            channel,
+            channel: self.channel().copied(),
         }
     }
 }

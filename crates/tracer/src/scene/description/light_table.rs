@@ -108,6 +108,7 @@ impl LightTable {
         let bright = self.brightness().vec3();
         let by_power = self.power().is_some();
         let position = || Vec3::from_array(*self.position().unwrap_or(&[0.0; 3]));
+        let delta = |light: DeltaLight| Light::Delta(if by_power { light.of_power(bright) } else { light });
         let area = |light: AreaLight| {
             let radiance = if by_power { bright / (PI * light.area()) } else { bright };
             Light::Area(AreaLight { radiance, ..light })
@@ -119,18 +120,14 @@ impl LightTable {
             }
             LightType::Disk => area(AreaLight::disk(position(), self.axis(lines)?, self.width())),
             LightType::Sphere => area(AreaLight::sphere(position(), self.width())),
-            LightType::Point => {
-                let intensity = if by_power { bright / (4.0 * PI) } else { bright };
-                Light::Delta(DeltaLight::Point { position: position(), intensity })
-            }
+            LightType::Point => delta(DeltaLight::Point { position: position(), intensity: bright }),
             LightType::Spot => {
                 let angles = [self.cone_angle(), self.cone_delta_angle().min(self.cone_angle())];
-                let spot = DeltaLight::spot(position(), self.axis(lines)?, bright, angles);
-                Light::Delta(if by_power { spot.of_power(bright) } else { spot })
+                delta(DeltaLight::spot(position(), self.axis(lines)?, bright, angles))
             }
             LightType::Sun => {
                 let direction = self.unit("direction", *self.direction().unwrap_or(&[0.0; 3]), lines)?;
-                Light::Delta(DeltaLight::Sun { direction, irradiance: bright, angle: self.angle().to_radians() })
+                delta(DeltaLight::Sun { direction, irradiance: bright, angle: self.angle().to_radians() })
             }
         })
     }

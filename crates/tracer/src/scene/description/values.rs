@@ -74,13 +74,17 @@ impl TomlValue for Image {
     }
 }
 
-/// What can stand where plain values do.
+/// What can stand where plain values do, and the forms in which it can.
 trait Plain: Sized {
     const EXPECTED: &'static str;
 
-    fn from_one(number: f64) -> Option<Self>;
+    fn from_one(_: f64) -> Option<Self> {
+        None
+    }
 
-    fn from_three(numbers: [f64; 3]) -> Option<Self>;
+    fn from_three(_: [f64; 3]) -> Option<Self> {
+        None
+    }
 
     fn from_image(_: ImageTable) -> Option<Self> {
         None
@@ -92,10 +96,6 @@ impl Plain for f32 {
 
     fn from_one(number: f64) -> Option<Self> {
         Some(number as f32)
-    }
-
-    fn from_three(_: [f64; 3]) -> Option<Self> {
-        None
     }
 }
 
@@ -116,10 +116,6 @@ impl Plain for Textured<f32> {
 
     fn from_one(number: f64) -> Option<Self> {
         f32::from_one(number).map(Self::Value)
-    }
-
-    fn from_three(_: [f64; 3]) -> Option<Self> {
-        None
     }
 
     fn from_image(image: ImageTable) -> Option<Self> {
@@ -145,14 +141,6 @@ impl Plain for Textured<Triple> {
 
 impl Plain for Image {
     const EXPECTED: &'static str = "an image's name or table";
-
-    fn from_one(_: f64) -> Option<Self> {
-        None
-    }
-
-    fn from_three(_: [f64; 3]) -> Option<Self> {
-        None
-    }
 
     fn from_image(image: ImageTable) -> Option<Self> {
         Some(Self(image))

@@ -1,6 +1,7 @@
 //! Which image, and how it is laid on a surface.
 
 use glam::Vec2;
+use serde::Deserialize;
 
 /// Which image, and how it is laid on a surface.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,7 +21,8 @@ pub(in super::super) struct TextureUse {
 }
 
 /// Where a texture of single numbers takes them from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, Hash)]
+#[serde(rename_all = "lowercase")]
 pub(in super::super) enum Channel {
     Red,
     Green,
