@@ -32,6 +32,28 @@ impl<S: Simd> Eight<S> {
         Self(eight)
     }
 
+    /// The same where there may be fewer: zeros stand for what is missing.
+    #[inline(always)]
+    pub fn load_some(simd: S, from: &[f32]) -> Self {
+        if from.len() >= LANES {
+            return Self::load(simd, from);
+        }
+        let mut padded = [0.0; LANES];
+        padded[..from.len()].copy_from_slice(from);
+        Self::load(simd, &padded)
+    }
+
+    /// Writes as many of them to `to` as it has places.
+    #[inline(always)]
+    pub fn store_some(self, to: &mut [f32]) {
+        if to.len() >= LANES {
+            return self.store(to);
+        }
+        let mut padded = [0.0; LANES];
+        self.store(&mut padded);
+        to.copy_from_slice(&padded[..to.len()]);
+    }
+
     /// Writes them to the first eight places of `to`.
     #[inline(always)]
     pub fn store(self, to: &mut [f32]) {

@@ -1,11 +1,14 @@
 //! What the residual of a picture still holds, from fine to coarse.
 
+mod parting;
+
 use rayon::prelude::*;
 use stack::{Cancelled, Image, Monitor, SampleCounts};
 
 use super::guided_kernel::GuidedKernel;
 use super::settings::CascadeSettings;
 use crate::per_pixel;
+use parting::Parting;
 
 /// How often the significance of a detail is smoothed: at its own scale, and at so many less one of the next.
 const SMOOTHINGS: usize = 3;
@@ -74,14 +77,14 @@ pub fn add_significant_residual(
             pending.remove(0).add_significant(&mut found);
         }
         if !last {
-            let mut detail = parting.detail(&residual, &coarse);
+            let mut detail = Pending::new(&parting, &residual, &coarse);
             smoothed(kernel, step, &[], std::slice::from_mut(&mut detail));
             pending.push(detail);
             residual = coarse;
             monitor.advance(1);
         }
     }
-    let shares = &parting.shares;
+    let shares = parting.shares();
     picture.channels_mut().par_iter_mut().zip(&found).enumerate().for_each(|(c, (plane, found))| {
         for (i, (value, found)) in plane.iter_mut().zip(found).enumerate() {
             let rest: f32 = shares.iter().enumerate().map(|(g, share)| share[i] * residual[3 * g + c][i]).sum();
@@ -98,16 +101,6 @@ fn smoothed(kernel: &GuidedKernel, step: usize, residual: &[Vec<f32>], pending: 
     let coarse = smooth.by_ref().take(residual.len()).collect();
     pending.iter_mut().flat_map(Pending::powers_mut).zip(smooth).for_each(|(power, smooth)| *power = smooth);
     coarse
-}
-
-/// One over the squared luminance of a picture.
-fn relative_to(brightness: &Image) -> Vec<f32> {
-    (0..brightness.pixels())
-        .map(|pixel| {
-            let luminance = brightness.mean_at(pixel);
-            1.0 / (luminance * luminance + 1e-2)
-        })
-        .collect()
 }
 
 /// The share of each group in the mean of every pixel.
@@ -127,16 +120,6 @@ fn residuals(mut groups: Vec<Image>, picture: &Image) -> Vec<Vec<f32>> {
     groups.into_iter().flat_map(Image::into_channels).collect()
 }
 
-/// How details are judged.
-struct Parting {
-    shares: Vec<Vec<f32>>,
-    /// What squares are multiplied by.
-    relative: Vec<f32>,
-    significance: f32,
-    /// The part that each signal does without; none when there are but two.
-    without: Vec<Option<usize>>,
-}
-
 /// One scale of the residual, whose significance is not known yet.
 struct Pending {
     /// Mean over parts, three planes.
@@ -147,81 +130,18 @@ struct Pending {
     signals: Vec<Vec<f32>>,
 }
 
-impl Parting {
-    fn new(shares: Vec<Vec<f32>>, brightness: &Image, settings: &CascadeSettings) -> Self {
-        let (significance, without) = match shares.len() {
-            ..=2 => (settings.significance_of_two, vec![None]),
-            parts => (settings.significance, (0..parts).map(Some).collect()),
-        };
-        Self { shares, relative: relative_to(brightness), significance, without }
-    }
-
+impl Pending {
     /// What the residual `fine` has beyond `coarse`.
-    fn detail(&self, fine: &[Vec<f32>], coarse: &[Vec<f32>]) -> Pending {
-        let pixel = |pixel: usize| {
-            let mut numbers = [0.0; 4 + MOST_PARTS];
-            for c in 0..3 {
-                let mut parts = [Moments::default(); MOST_PARTS];
-                for (g, (part, share)) in parts.iter_mut().zip(&self.shares).enumerate() {
-                    *part = Moments::of(share[pixel], fine[3 * g + c][pixel] - coarse[3 * g + c][pixel]);
-                }
-                let mean = Moments::sum(&parts, None).first;
-                numbers[c] = mean;
-                numbers[3] += mean * mean;
-                for (signal, without) in numbers[4..].iter_mut().zip(&self.without) {
-                    *signal += Moments::sum(&parts, *without).signal(self.significance);
-                }
-            }
-            numbers[3..].iter_mut().for_each(|square| *square *= self.relative[pixel]);
-            numbers
-        };
-        let mut planes = per_pixel::planes(self.relative.len(), pixel).into_iter();
-        Pending {
+    fn new(parting: &Parting, fine: &[Vec<f32>], coarse: &[Vec<f32>]) -> Self {
+        let numbers = |pixels| parting.judged(fine, coarse, pixels);
+        let mut planes = per_pixel::planes_by_eight(fine[0].len(), numbers).into_iter();
+        Self {
             mean: planes.by_ref().take(3).collect(),
             square: planes.next().unwrap_or_default(),
-            signals: planes.take(self.without.len()).collect(),
+            signals: planes.take(parting.signals()).collect(),
         }
     }
-}
 
-/// Sums over parts.
-#[derive(Clone, Copy, Debug, Default)]
-struct Moments {
-    /// How many have samples.
-    filled: usize,
-    share: f32,
-    first: f32,
-    second: f32,
-}
-
-impl Moments {
-    fn of(share: f32, value: f32) -> Self {
-        Self { filled: usize::from(share > 0.0), share, first: share * value, second: share * value * value }
-    }
-
-    /// Sums over `parts` but the one `without`.
-    fn sum(parts: &[Self], without: Option<usize>) -> Self {
-        let others = parts.iter().enumerate().filter(|(g, _)| Some(*g) != without);
-        others.fold(Self::default(), |sum, (_, part)| Self {
-            filled: sum.filled + part.filled,
-            share: sum.share + part.share,
-            first: sum.first + part.first,
-            second: sum.second + part.second,
-        })
-    }
-
-    /// m² − c v of the mean m, whose variance is v and c the significance; 0 where one part says nothing of it.
-    fn signal(self, significance: f32) -> f32 {
-        if self.filled < 2 {
-            return 0.0;
-        }
-        let mean = self.first / self.share;
-        let variance = (self.second / self.share - mean * mean).max(0.0) / (self.filled - 1) as f32;
-        mean * mean - significance * variance
-    }
-}
-
-impl Pending {
     fn powers(&self) -> impl Iterator<Item = &Vec<f32>> {
         std::iter::once(&self.square).chain(&self.signals)
     }

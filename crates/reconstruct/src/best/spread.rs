@@ -1,5 +1,9 @@
 //! Events spread over the pixels that resemble their own: their light is real, only its place is chance.
 
+mod occurrences;
+
+use std::ops::Range;
+
 use rayon::prelude::*;
 use stack::{Cancelled, Image, Monitor, Size};
 
@@ -11,12 +15,7 @@ use super::settings::{CascadeSettings, SpreadSettings};
 use super::split::Events;
 use crate::exp::exp_of_negative;
 use crate::rectangle::{Rectangle, tiles_of};
-
-/// Deviations to choose from, in pixels.
-const SIGMAS: [f32; 9] = [0.4, 0.7, 1.0, 1.5, 2.2, 3.3, 5.0, 7.0, 9.0];
-
-/// Radius of the disc in which events are counted, in deviations.
-const COUNTED: f32 = 1.5;
+use occurrences::{Occurrence, Occurrences};
 
 /// Radius at which kernels end, in deviations and in pixels.
 const REACH: f32 = 2.5;
@@ -39,17 +38,20 @@ pub struct Spread {
 /// kernel is a Gaussian times the likeness of pixels in `features` and in the brightness of `picture`, and sums to one.
 pub fn spread(events: &Events, picture: &Image, features: &GuideFeatures, settings: &SpreadSettings) -> Spread {
     let size = picture.size();
-    let task = SpreadTask { size, events, guides: guides(picture, features, settings), settings };
+    let guides = guides(picture, features, settings);
+    let occurrences = Occurrences::new(events, &guides, size, settings.events);
+    let task = SpreadTask { size, guides: &guides, occurrences: &occurrences };
     let tiles = tiles_of(size, TILE);
-    let parts: Vec<(Rectangle, Vec<Share>)> = tiles.par_iter().map(|tile| task.tile(*tile)).collect();
-    let halves = [0, 1].map(|_| Image::zeros(size, 3));
-    let mut spread = Spread { halves, variance: vec![0.0; size.pixels()] };
+    let parts: Vec<(Rectangle, Vec<Vec<f32>>)> =
+        tiles.par_iter().map(|tile| pulp::Arch::new().dispatch(TileTask { task: &task, tile: *tile })).collect();
+    let mut spread = Spread { halves: [0, 1].map(|_| Image::zeros(size, 3)), variance: vec![0.0; size.pixels()] };
     for (place, part) in &parts {
-        for (i, value) in part.iter().enumerate() {
-            let pixel = size.index(place.x0 + i % place.width(), place.y0 + i / place.width());
-            let planes = spread.halves.iter_mut().flat_map(|half| half.channels_mut());
-            planes.zip(value.light).for_each(|(plane, v)| plane[pixel] += v);
-            spread.variance[pixel] += value.variance;
+        let light = spread.halves.iter_mut().flat_map(|half| half.channels_mut());
+        for (plane, part) in light.chain([&mut spread.variance]).zip(part) {
+            for (y, row) in (place.y0..place.y1).zip(part.chunks_exact(place.width())) {
+                let to = &mut plane[size.index(place.x0, y)..][..row.len()];
+                to.iter_mut().zip(row).for_each(|(sum, v)| *sum += v);
+            }
         }
     }
     spread
@@ -82,117 +84,123 @@ pub fn steadied(
     Ok(steady)
 }
 
-/// One row per pixel: what separates pixels, scaled so that their likeness is exp(−Σ Δ²).
-fn guides(picture: &Image, features: &GuideFeatures, settings: &SpreadSettings) -> PixelGuides {
+/// What separates pixels, scaled so that their likeness is exp(−Σ Δ²).
+fn guides(picture: &Image, features: &GuideFeatures, settings: &SpreadSettings) -> Vec<Vec<f32>> {
     let scale = std::f32::consts::FRAC_1_SQRT_2 / settings.feature_scale;
     let mut planes = features.scaled_surfaces(scale);
     let brightness = |l: &f32| scale * settings.brightness * (l + 0.01).max(0.005).ln();
     planes.push(luminance(picture).iter().map(brightness).collect());
-    let values = (0..picture.pixels()).flat_map(|pixel| planes.iter().map(move |plane| plane[pixel])).collect();
-    PixelGuides { count: planes.len(), values }
+    planes
 }
 
-/// Numbers that separate pixels, pixel after pixel.
-struct PixelGuides {
-    count: usize,
-    values: Vec<f32>,
-}
-
-impl PixelGuides {
-    fn of(&self, pixel: usize) -> &[f32] {
-        &self.values[pixel * self.count..][..self.count]
-    }
-}
-
-/// What reaches one pixel.
-#[derive(Clone, Copy, Debug, Default)]
-struct Share {
-    light: [f32; 6],
-    variance: f32,
-}
+/// What is summed at a pixel: light of either half, three channels each, and variance.
+const SUMS: usize = 7;
 
 struct SpreadTask<'a> {
     size: Size,
-    events: &'a Events,
-    guides: PixelGuides,
-    settings: &'a SpreadSettings,
+    guides: &'a [Vec<f32>],
+    occurrences: &'a Occurrences,
+}
+
+struct TileTask<'a> {
+    task: &'a SpreadTask<'a>,
+    tile: Rectangle,
+}
+
+impl pulp::NullaryFnOnce for TileTask<'_> {
+    /// The light of the events of a tile, in [`SUMS`] planes, and where it lies.
+    type Output = (Rectangle, Vec<Vec<f32>>);
+
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        let place = self.tile.grown(LARGEST_REACH, self.task.size);
+        let mut sums = vec![vec![0.0; place.width() * place.height()]; SUMS];
+        let mut weights = Vec::new();
+        for y in self.tile.y0..self.tile.y1 {
+            for occurrence in self.task.occurrences.of_row(y, self.tile.x0..self.tile.x1) {
+                self.task.spread_one(occurrence, y, place, &mut weights, &mut sums);
+            }
+        }
+        (place, sums)
+    }
 }
 
 impl SpreadTask<'_> {
-    /// The light of the events of `tile`, and where it lies.
-    fn tile(&self, tile: Rectangle) -> (Rectangle, Vec<Share>) {
-        let place = tile.grown(LARGEST_REACH, self.size);
-        let mut light = vec![Share::default(); place.width() * place.height()];
-        let mut kernel = Vec::new();
-        for y in tile.y0..tile.y1 {
-            for x in tile.x0..tile.x1 {
-                if self.events.energy[self.size.index(x, y)] > 0.0 {
-                    self.spread_one([x, y], place, &mut kernel, &mut light);
-                }
+    #[inline(always)]
+    fn spread_one(
+        &self,
+        event: &Occurrence,
+        y: usize,
+        place: Rectangle,
+        weights: &mut Vec<f32>,
+        sums: &mut [Vec<f32>],
+    ) {
+        let sigma = self.occurrences.sigma(event, y);
+        let disc = Disc { centre: [event.x, y], radius: (REACH * sigma).max(0.3), size: self.size };
+        weights.clear();
+        for (row, columns) in disc.rows() {
+            self.weigh(event, y, sigma, row, columns, weights);
+        }
+        let norm: f32 = weights.iter().sum();
+        let own = event.light.map(|light| light / norm);
+        let square = event.concentration * (0..3).map(|c| (own[c] + own[c + 3]).powi(2)).sum::<f32>() / 3.0;
+        let mut weights = &weights[..];
+        for (row, columns) in disc.rows() {
+            let (of_row, others) = weights.split_at(columns.len());
+            let at = (row - place.y0) * place.width() + columns.start - place.x0;
+            for (plane, light) in sums.iter_mut().zip(own) {
+                let plane = &mut plane[at..at + of_row.len()];
+                plane.iter_mut().zip(of_row).for_each(|(sum, weight)| *sum += weight * light);
             }
-        }
-        (place, light)
-    }
-
-    fn spread_one(&self, [x, y]: [usize; 2], place: Rectangle, kernel: &mut Vec<(usize, f32)>, light: &mut [Share]) {
-        let pixel = self.size.index(x, y);
-        let sigma = self.sigma([x, y]);
-        kernel.clear();
-        for ([column, row], squared) in self.disc([x, y], (REACH * sigma).max(0.3)) {
-            let weight =
-                exp_of_negative(-squared / (2.0 * sigma * sigma)) * self.likeness(pixel, self.size.index(column, row));
-            kernel.push(((row - place.y0) * place.width() + column - place.x0, weight));
-        }
-        let norm: f32 = kernel.iter().map(|(_, weight)| weight).sum();
-        let [a, b] = [0, 1].map(|half: usize| self.events.light[half].rgb(pixel));
-        let own: [f32; 6] = std::array::from_fn(|i| if i < 3 { a[i] } else { b[i - 3] } / norm);
-        let square =
-            (0..3).map(|c| (own[c] + own[c + 3]).powi(2)).sum::<f32>() / 3.0 * self.events.concentration(pixel);
-        for (at, weight) in kernel.iter() {
-            let share = &mut light[*at];
-            share.light.iter_mut().zip(own).for_each(|(sum, v)| *sum += weight * v);
-            share.variance += weight * weight * square;
+            let variance = &mut sums[SUMS - 1][at..at + of_row.len()];
+            variance.iter_mut().zip(of_row).for_each(|(sum, weight)| *sum += weight * weight * square);
+            weights = others;
         }
     }
 
-    /// The least deviation whose surroundings hold enough events: Σγe squared over Σγe² counts them.
-    fn sigma(&self, [x, y]: [usize; 2]) -> f32 {
-        let pixel = self.size.index(x, y);
-        let mut rings = [[0.0_f32; 2]; SIGMAS.len()];
-        for ([column, row], squared) in self.disc([x, y], COUNTED * SIGMAS[SIGMAS.len() - 1]) {
-            let near = self.size.index(column, row);
-            if self.events.energy[near] > 0.0 {
-                let ring = SIGMAS.partition_point(|sigma| squared > (COUNTED * sigma).powi(2));
-                let likeness = self.likeness(pixel, near);
-                if let Some(ring) = rings.get_mut(ring) {
-                    ring[0] += likeness * self.events.energy[near];
-                    ring[1] += likeness * self.events.squares[near];
-                }
-            }
+    /// Adds the weights of some pixels of a row.
+    #[inline(always)]
+    fn weigh(
+        &self,
+        event: &Occurrence,
+        y: usize,
+        sigma: f32,
+        row: usize,
+        columns: Range<usize>,
+        weights: &mut Vec<f32>,
+    ) {
+        let (first, own) = (weights.len(), self.size.index(event.x, y));
+        let scale = 1.0 / (2.0 * sigma * sigma);
+        let across = row.abs_diff(y).pow(2);
+        weights.extend(columns.clone().map(|x| scale * (x.abs_diff(event.x).pow(2) + across) as f32));
+        let weights = &mut weights[first..];
+        for guide in self.guides {
+            let (own, there) = (guide[own], &guide[self.size.index(columns.start, row)..][..columns.len()]);
+            weights.iter_mut().zip(there).for_each(|(sum, v)| *sum += (v - own) * (v - own));
         }
-        let mut sums = [0.0; 2];
-        for (ring, sigma) in rings.iter().zip(SIGMAS) {
-            sums = [sums[0] + ring[0], sums[1] + ring[1]];
-            if sums[0] * sums[0] >= self.settings.events * sums[1] {
-                return sigma;
-            }
-        }
-        SIGMAS[SIGMAS.len() - 1]
+        weights.iter_mut().for_each(|weight| *weight = exp_of_negative(-*weight));
     }
+}
 
-    /// Pixels of the image within `radius` of a pixel and within the largest reach, with their squared distance.
-    fn disc(&self, [x, y]: [usize; 2], radius: f32) -> impl Iterator<Item = ([usize; 2], f32)> {
-        let reach = (radius.ceil() as usize).min(LARGEST_REACH);
-        let columns = x.saturating_sub(reach)..(x + reach + 1).min(self.size.width);
-        (y.saturating_sub(reach)..(y + reach + 1).min(self.size.height))
-            .flat_map(move |row| columns.clone().map(move |column| [column, row]))
-            .map(move |[column, row]| ([column, row], (column.abs_diff(x).pow(2) + row.abs_diff(y).pow(2)) as f32))
-            .filter(move |(_, squared)| *squared <= radius * radius)
-    }
+/// Pixels of an image of `size` whose middle lies within `radius` of a pixel's, and within the largest reach.
+#[derive(Clone, Copy)]
+struct Disc {
+    centre: [usize; 2],
+    radius: f32,
+    size: Size,
+}
 
-    fn likeness(&self, p: usize, q: usize) -> f32 {
-        let squares = self.guides.of(p).iter().zip(self.guides.of(q)).map(|(p, q)| (p - q) * (p - q));
-        exp_of_negative(-squares.sum::<f32>())
+impl Disc {
+    /// Its rows, and the columns of each.
+    #[inline(always)]
+    fn rows(self) -> impl Iterator<Item = (usize, Range<usize>)> {
+        let [x, y] = self.centre;
+        let reach = (self.radius as usize).min(LARGEST_REACH);
+        (y.saturating_sub(reach)..(y + reach + 1).min(self.size.height)).map(move |row| {
+            let across = row.abs_diff(y).pow(2) as f32;
+            let half = ((self.radius * self.radius - across).max(0.0).sqrt() as usize).min(LARGEST_REACH);
+            (row, x.saturating_sub(half)..(x + half + 1).min(self.size.width))
+        })
     }
 }
 

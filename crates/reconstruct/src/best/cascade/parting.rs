@@ -1,0 +1,129 @@
+//! What independent parts of a picture agree on.
+
+use stack::Image;
+
+use super::MOST_PARTS;
+use crate::best::settings::CascadeSettings;
+use crate::eight::LANES;
+use crate::per_pixel::Pixels;
+
+/// A number of each of eight pixels.
+type Lanes = [f32; LANES];
+/// And of every part.
+type OfParts = [Lanes; MOST_PARTS];
+
+/// How details are judged.
+pub struct Parting {
+    /// The share of each part in the mean of every pixel.
+    shares: Vec<Vec<f32>>,
+    /// What squares are multiplied by.
+    relative: Vec<f32>,
+    significance: f32,
+}
+
+impl Parting {
+    /// Parts with these `shares`; squares are relative to `brightness`.
+    pub fn new(shares: Vec<Vec<f32>>, brightness: &Image, settings: &CascadeSettings) -> Self {
+        let significance = if shares.len() > 2 { settings.significance } else { settings.significance_of_two };
+        Self { shares, relative: relative_to(brightness), significance }
+    }
+
+    /// The share of each part in the mean of every pixel.
+    pub fn shares(&self) -> &[Vec<f32>] {
+        &self.shares
+    }
+
+    /// How often a signal is estimated: with each part left out, or once where there are but two.
+    pub fn signals(&self) -> usize {
+        if self.shares.len() > 2 { self.shares.len() } else { 1 }
+    }
+
+    /// Of the detail `fine` − `coarse`, three planes for each part: its mean in three channels, its relative square, and
+    /// its signals.
+    #[inline(always)]
+    pub fn judged(&self, fine: &[Vec<f32>], coarse: &[Vec<f32>], pixels: Pixels) -> [Lanes; 4 + MOST_PARTS] {
+        let mut numbers = [[0.0; LANES]; 4 + MOST_PARTS];
+        let mut shares = [[0.0; LANES]; MOST_PARTS];
+        shares.iter_mut().zip(&self.shares).for_each(|(share, plane)| *share = pixels.of(plane));
+        let filled = shares.map(|share| share.map(|share| if share > 0.0 { 1.0 } else { 0.0 }));
+        let (share, filled) = (self.sums(&shares), self.sums(&filled));
+        for c in 0..3 {
+            let (mut firsts, mut seconds) = ([[0.0; LANES]; MOST_PARTS], [[0.0; LANES]; MOST_PARTS]);
+            for part in 0..self.shares.len() {
+                let [fine, coarse] = [fine, coarse].map(|planes| pixels.of(&planes[3 * part + c]));
+                for i in 0..LANES {
+                    let value = fine[i] - coarse[i];
+                    firsts[part][i] = shares[part][i] * value;
+                    seconds[part][i] = firsts[part][i] * value;
+                }
+            }
+            let mean = sum(&firsts);
+            let (first, second) = (self.sums(&firsts), self.sums(&seconds));
+            numbers[c] = mean;
+            (0..LANES).for_each(|i| numbers[3][i] += mean[i] * mean[i]);
+            for k in 0..self.signals() {
+                for i in 0..LANES {
+                    numbers[4 + k][i] += self.signal(filled[k][i], share[k][i], first[k][i], second[k][i]);
+                }
+            }
+        }
+        let relative = pixels.of(&self.relative);
+        for numbers in &mut numbers[3..] {
+            (0..LANES).for_each(|i| numbers[i] *= relative[i]);
+        }
+        numbers
+    }
+
+    /// m² − c v of the mean m of so many `filled` parts, whose variance is v and c the significance; 0 where one part
+    /// says nothing of it.
+    #[inline(always)]
+    fn signal(&self, filled: f32, share: f32, first: f32, second: f32) -> f32 {
+        let mean = first / share;
+        let variance = (second / share - mean * mean).max(0.0) / (filled - 1.0);
+        let signal = mean * mean - self.significance * variance;
+        if filled >= 2.0 { signal } else { 0.0 }
+    }
+
+    /// Sums for each signal.
+    #[inline(always)]
+    fn sums(&self, parts: &OfParts) -> OfParts {
+        if self.signals() == 1 { [sum(parts); MOST_PARTS] } else { sums_of_others(parts) }
+    }
+}
+
+#[inline(always)]
+fn sum(parts: &OfParts) -> Lanes {
+    let mut sum = [0.0; LANES];
+    for part in parts {
+        (0..LANES).for_each(|i| sum[i] += part[i]);
+    }
+    sum
+}
+
+/// For each part the sum of all others: of those before it and those behind. Taking a firefly off the sum of all would
+/// leave its rounding.
+#[inline(always)]
+fn sums_of_others(parts: &OfParts) -> OfParts {
+    let mut others = [[0.0; LANES]; MOST_PARTS];
+    let (mut before, mut behind) = ([0.0; LANES], [0.0; LANES]);
+    for k in 0..MOST_PARTS {
+        let back = MOST_PARTS - 1 - k;
+        for i in 0..LANES {
+            others[k][i] += before[i];
+            before[i] += parts[k][i];
+            others[back][i] += behind[i];
+            behind[i] += parts[back][i];
+        }
+    }
+    others
+}
+
+/// One over the squared luminance of a picture.
+fn relative_to(brightness: &Image) -> Vec<f32> {
+    (0..brightness.pixels())
+        .map(|pixel| {
+            let luminance = brightness.mean_at(pixel);
+            1.0 / (luminance * luminance + 1e-2)
+        })
+        .collect()
+}
