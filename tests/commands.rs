@@ -319,3 +319,35 @@ fn passes_are_rebuilt_in_place_and_add_up() {
     assert_eq!((run.code(), run.errors().len()), (Some(2), 1));
     assert!(run.stderr().contains("view.key, view.sky"), "{}", run.stderr());
 }
+
+#[test]
+fn a_guide_is_followed_where_it_is_nearer_to_the_truth() {
+    let workplace = Workplace::new();
+    for (file, spp, seed) in [("noisy.exr", 8, 1), ("near.exr", 512, 2), ("reference.exr", 512, 3)] {
+        workplace.must(&format!(
+            "render box.obj --size 40x32 --spp {spp} --seed {seed} --quiet --uniform --no-denoise -o {file}"
+        ));
+    }
+    workplace.must("denoise noisy.exr -o alone.exr --quiet");
+    let guided = |guide: &str, output: &str| {
+        json(&workplace.must(&format!("denoise noisy.exr --guide {guide} -o {output} --json")).stdout())
+    };
+    let weight = |report: &Value| report["guide"]["mean_weight"].as_f64().unwrap();
+    let (near, same) = (guided("near.exr", "near-guided.exr"), guided("alone.exr", "same.exr"));
+    assert!(weight(&near) > 0.05 && (0.0..=1.0).contains(&weight(&same)), "{near} {same}");
+    let error = |file: &str| {
+        let report = json(&workplace.must(&format!("compare reference.exr {file} --json")).stdout());
+        report["images"][0]["rmse"].as_f64().unwrap()
+    };
+    assert!(error("near-guided.exr") < error("alone.exr"), "a guide that is nearly the truth helps");
+    assert!((error("same.exr") / error("alone.exr") - 1.0).abs() < 1e-3, "its own picture changes nothing");
+    workplace.must("render box.obj --size 20x16 --spp 1 --quiet --no-denoise -o small.exr");
+    for (line, word) in [
+        ("denoise noisy.exr --guide small.exr -o x.exr", "20x16"),
+        ("denoise noisy.exr --guide gone.exr -o x.exr", "gone.exr"),
+    ] {
+        let run = workplace.tamis(line);
+        assert_eq!((run.code(), run.errors().len(), workplace.path("x.exr").exists()), (Some(2), 1, false));
+        assert!(run.stderr().contains(word), "{}", run.stderr());
+    }
+}

@@ -12,7 +12,7 @@ use stack::{FeatureStack, Image, Noise};
 use crate::args::{DenoiseArgs, OutputArgs};
 use crate::failure::{Verdict, usage};
 use crate::guide::{Followed, Guide};
-use crate::memory::{self, Plan};
+use crate::memory::{self, Afterwards, Plan};
 use crate::output::{Outputs, Written};
 use crate::progress::Progress;
 use crate::render::report::mean_radiance;
@@ -131,15 +131,15 @@ impl Task<'_> {
         progress: &Progress,
     ) -> Result<Reconstruction> {
         let images: Vec<Image> = passes.iter().map(|pass| pass.image(&read.stack)).collect();
-        let keep = outputs.need_inputs() || self.args.guide.is_some();
-        let plan = Plan::new(self.args.max_memory, &read.stack, settings.method, keep)?;
+        let then = Afterwards { output: outputs.need_inputs(), guide: self.args.guide.is_some() };
+        let plan = Plan::new(self.args.max_memory, &read.stack, settings.method, then)?;
         let extras = Extras { rows: plan.rows, passes: &images };
         if !plan.free {
             return Ok(reconstruct_with(&read.stack, settings, extras, progress)?);
         }
         let size = read.stack.size();
         let reconstruction = reconstruct_freeing(&mut read.stack, settings, extras, progress)?;
-        if keep {
+        if then.output || then.guide {
             read.stack = self.read()?.stack;
             let again = mean_radiance(&read.stack.beauty());
             if read.stack.size() != size || again.to_bits() != noisy.to_bits() {

@@ -23,6 +23,10 @@ const REBUILDING: f64 = 495.0;
 const KEPT: f64 = 395.0;
 /// … and what of the rows that are made at once, which are copied.
 const AT_ONCE: f64 = 380.0;
+/// Beside the stack while a guide is mixed in: all at once …
+const GUIDED: f64 = 620.0;
+/// … and where the stack was freed and read again.
+const GUIDED_LATE: f64 = 430.0;
 /// Rows around those, about.
 const MARGIN: f64 = 96.0;
 
@@ -61,17 +65,12 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The least work that `stack` can be denoised with in `limit` bytes, or in three quarters of the machine's memory;
-    /// `output_needs_it` when it is written again.
+    /// The least work that `stack` can be denoised with in `limit` bytes, or in three quarters of the machine's memory,
+    /// with what `then` needs of it.
     ///
     /// # Errors
     /// When a limit was given that cannot be kept.
-    pub fn new(
-        limit: Option<Bytes>,
-        stack: &FeatureStack,
-        method: MethodSettings,
-        output_needs_it: bool,
-    ) -> Result<Self> {
+    pub fn new(limit: Option<Bytes>, stack: &FeatureStack, method: MethodSettings, then: Afterwards) -> Result<Self> {
         if !method.is_collaborative() {
             let told = "--max-memory goes with --preset best and fast: other methods hold all they have at once";
             return if limit.is_some() { Err(usage(told)) } else { Ok(Self { free: false, rows: usize::MAX }) };
@@ -79,7 +78,7 @@ impl Plan {
         let most = limit.map(|limit| limit.0 as f64).or_else(|| Some(0.75 * physical_memory()? as f64));
         let need =
             Need { size: stack.size(), stack: stack.bytes() as f64, passed: stack.passed_through_bytes() as f64 };
-        need.plan(most.unwrap_or(f64::INFINITY), output_needs_it).map_or_else(
+        need.plan(most.unwrap_or(f64::INFINITY), then).map_or_else(
             |least| match limit {
                 Some(Bytes(limit)) => Err(usage(format!(
                     "--max-memory {limit}: this stack of {} takes about {} at least",
@@ -91,6 +90,15 @@ impl Plan {
             Ok,
         )
     }
+}
+
+/// What needs the stack when the picture is rebuilt.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Afterwards {
+    /// It is written again.
+    pub output: bool,
+    /// A guide is judged by it.
+    pub guide: bool,
 }
 
 /// A number of bytes that the flag would take.
@@ -109,13 +117,15 @@ struct Need {
 
 impl Need {
     /// The plan for `most` bytes, or the least that is needed.
-    fn plan(self, most: f64, output_needs_it: bool) -> Result<Plan, f64> {
+    fn plan(self, most: f64, then: Afterwards) -> Result<Plan, f64> {
         let most = most - PROGRAM;
         let pixels = self.size.pixels() as f64;
-        if output_needs_it && self.stack + pixels * WHOLE <= most {
+        let at_once = self.stack + pixels * if then.guide { GUIDED } else { WHOLE };
+        if (then.output || then.guide) && at_once <= most {
             return Ok(Plan { free: false, rows: usize::MAX });
         }
-        let before = (self.stack + pixels * PREPARING).max(self.passed + pixels * REBUILDING);
+        let beside = if then.guide { GUIDED_LATE } else { PREPARING };
+        let before = (self.stack + pixels * beside).max(self.passed + pixels * REBUILDING);
         if before > most {
             return Err(before + PROGRAM);
         }
@@ -164,12 +174,15 @@ mod tests {
     #[test]
     fn less_memory_frees_the_stack_then_cuts_bands_and_then_is_refused() {
         let need = Need { size: Size::new(1000, 4000), stack: 4e6 * 364.0, passed: 0.0 };
-        let plan = |bytes_per_pixel: f64, output| need.plan(4e6 * bytes_per_pixel, output);
+        let plan = |bytes_per_pixel: f64, output| need.plan(4e6 * bytes_per_pixel, Afterwards { output, guide: false });
         assert_eq!(plan(1000.0, true), Ok(Plan { free: false, rows: usize::MAX }));
         assert_eq!(plan(800.0, true), Ok(Plan { free: true, rows: usize::MAX }));
         assert_eq!(plan(1000.0, false), Ok(Plan { free: true, rows: usize::MAX }));
         let rows = plan(525.0, false).unwrap().rows;
         assert!((500..2000).contains(&rows), "{rows}");
         assert!(plan(400.0, false).unwrap_err() > 4e6 * 450.0);
+        let guided = |bytes_per_pixel: f64| need.plan(4e6 * bytes_per_pixel, Afterwards { output: false, guide: true });
+        assert_eq!(guided(1010.0), Ok(Plan { free: false, rows: usize::MAX }));
+        assert!(guided(900.0).unwrap().free && guided(600.0).is_err());
     }
 }

@@ -9,6 +9,10 @@ stack::knobs! {
         quantile: f32 = 0.97, 0.0..=1.0;
         /// Radius of the surroundings, in pixels.
         radius: usize = 2, 1..=8;
+        /// How many bright details of one pixel there are for one that only looks like it, before it is known how many of
+        /// its buckets are bright. With 0 none is believed; with large numbers all are, and where two fireflies meet a
+        /// speck is left.
+        detail: f32 = 0.001, 0.0..=1000.0;
     }
 }
 

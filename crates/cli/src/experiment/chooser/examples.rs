@@ -16,7 +16,7 @@ use crate::progress::Progress;
 /// Variations of each of our scenes.
 const VARIATIONS: u64 = 3;
 /// Rooms.
-const ROOMS: u64 = 14;
+const ROOMS: u64 = 40;
 
 /// Renders every variation of our scenes and every room at every number of samples.
 ///

@@ -116,6 +116,34 @@ fn light_that_all_buckets_agree_on_is_no_firefly() {
     assert_eq!((layers.events.energy[at], layers.halves[0].rgb(at)), (0.0, [50.0; 3]));
 }
 
+#[test]
+fn where_two_fireflies_meet_there_is_no_detail() {
+    let (counts, at) = (eight_each(SIZE), SIZE.index(6, 5));
+    // The share of an excess of 50 over a cap of 2 that stays in the mean of eight buckets.
+    let kept = |bright: &[usize], others: &[usize]| {
+        let mut buckets = vec![flat(SIZE, 1.0); 8];
+        let at_pixel = bright.iter().map(|bucket| (*bucket, at));
+        for (bucket, pixel) in at_pixel.chain(others.iter().map(|pixel| (pixel % 8, *pixel))) {
+            buckets[bucket].channels_mut().iter_mut().for_each(|plane| plane[pixel] = 52.0);
+        }
+        let layers = split(&component(buckets, &counts), &counts, &settings()).unwrap();
+        let low = 0.5 * (layers.halves[0].rgb(at)[0] + layers.halves[1].rgb(at)[0]);
+        (8.0 * low - (8.0 + bright.len() as f32)) / (50.0 * bright.len() as f32)
+    };
+    let others = [SIZE.index(4, 4), SIZE.index(7, 3), SIZE.index(8, 6)];
+    let [two, among_others, three] = [kept(&[1, 4], &[]), kept(&[1, 4], &others), kept(&[1, 4, 6], &[])];
+    assert!((0.2..0.5).contains(&two), "without other fireflies it may be either: {two}");
+    assert!(among_others < 0.03 && three > 0.9, "{among_others} {three}");
+}
+
+#[test]
+fn chances_of_a_number_of_events_add_up() {
+    let chances: Vec<f32> = (0..=8).map(|k| binomial(k, 8, 0.3)).collect();
+    assert!((chances.iter().sum::<f32>() - 1.0).abs() < 1e-6);
+    assert!((chances[2] - 28.0 * 0.09 * 0.7_f32.powi(6)).abs() < 1e-6);
+    assert_eq!((binomial(0, 0, 0.5), binomial(2, 2, 0.25)), (1.0, 0.0625));
+}
+
 /// Variance of a half of one pixel whose buckets hold `values` and `samples`.
 fn variance_of(values: &[f32], samples: &[u32]) -> f32 {
     let (size, counts) = (Size::new(1, 1), SampleCounts::uniform(1, samples.to_vec()));
