@@ -1,7 +1,7 @@
 //! Feeds mutated files to the readers of Tamis.
 //!
 //! ```sh
-//! cargo run --release --manifest-path fuzz/Cargo.toml -- TARGET COUNT [SEED]
+//! cargo run --profile fuzz -p fuzz -- TARGET COUNT [SEED]
 //! ```
 //!
 //! or, to read single files again, `-- TARGET FILE...`.
