@@ -185,7 +185,7 @@ def surface(entry, folder):
         return mirror(specular if specular.any() else diffuse)
     if model in (4, 6, 7, 9) or (opacity < 1.0 and "ni" in entry):
         return glass(entry)
-    if model in (3, 8) and specular.any() and not diffuse.any():
+    if model in (None, 3, 8) and specular.any() and not diffuse.any():
         return metal(specular, alpha)
     return opaque(entry, diffuse, specular, alpha)
 
