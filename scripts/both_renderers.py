@@ -13,7 +13,6 @@ What Mitsuba has no equal of is built here, from its documented formula:
 * `Compensated`, Mitsuba's own `roughconductor` or `roughdielectric` times the light that facets scatter more than once,
   which Tamis gives back and Mitsuba does not (crates/tracer/src/bsdf/conductor.rs, rough_glass.rs). The albedos for it
   are those of Mitsuba's own sampling.
-
 * The smooth edge of a spot, whose falloff is linear in the angle in Mitsuba: a picture before a spot with a hard edge.
 * A sun of some size: a disk so far away that nothing in the scene sees it elsewhere.
 
