@@ -3,6 +3,7 @@
 
 study: a room with a glossy table, glass and a small bright lamp.
 halves: smooth ground under an even sky on the left, a dark niche with a tiny lamp and shiny balls on the right.
+dusk/: a lawn with pinwheels, balls and bulbs, in pieces that dusk.toml moves.
 
 Plain Python, no packages. Run it again after changing a shape: python3 scenes/make_scenes.py
 """
@@ -103,12 +104,42 @@ Kd 0 0 0
 Ke 900 850 700
 """
 
+DUSK_MATERIALS = """\
+newmtl lawn
+Kd 0.16 0.24 0.10
+newmtl wood
+Kd 0.45 0.32 0.20
+newmtl red
+Kd 0.75 0.10 0.07
+Ks 0.04 0.04 0.04
+Pr 0.4
+newmtl white
+Kd 0.80 0.78 0.74
+Ks 0.04 0.04 0.04
+Pr 0.4
+newmtl blue
+Kd 0.07 0.22 0.60
+Ks 0.04 0.04 0.04
+Pr 0.4
+newmtl yellow
+Kd 0.80 0.55 0.06
+Ks 0.04 0.04 0.04
+Pr 0.4
+newmtl brass
+Kd 0.95 0.75 0.35
+Pm 1
+Pr 0.4
+newmtl bulb
+Kd 0 0 0
+Ke 9 4.5 1.4
+"""
+
 
 class Mesh:
     """Collects vertices, normals and faces, and prints them as OBJ."""
 
-    def __init__(self, name):
-        self.lines = ["# made by make_scenes.py", f"mtllib {name}.mtl"]
+    def __init__(self, library):
+        self.lines = ["# made by make_scenes.py", f"mtllib {library}.mtl"]
         self.vertices = self.normals = 0
 
     def begin(self, name, material):
@@ -131,8 +162,11 @@ class Mesh:
         self.quad((x0, y1, z1), (x1, y1, z1), (x1, y1, z0), (x0, y1, z0))
         self.quad((x0, y0, z0), (x1, y0, z0), (x1, y0, z1), (x0, y0, z1))
 
-    def lathe(self, centre, profile, segments):
-        """Turns a profile of (radius, height) about the vertical axis; the outside is right of its direction."""
+    def lathe(self, centre, profile, segments, materials=None):
+        """Turns a profile of (radius, height) about the vertical axis; the outside is right of its direction.
+
+        Of several materials, each gets as many segments in a row.
+        """
         cx, cy, cz = centre
         rings = []
         for i, (r, h) in enumerate(profile):
@@ -149,10 +183,13 @@ class Mesh:
                 self.normals += 1
                 ring.append(f"{self.vertices}//{self.normals}")
             rings.append(ring)
-        for low, high in zip(rings, rings[1:]):
-            for s in range(segments):
-                t = (s + 1) % segments
-                self.lines.append(f"f {low[s]} {high[s]} {high[t]} {low[t]}")
+        each = segments // len(materials or [0])
+        for i in range(0, segments, each):
+            self.lines += [f"usemtl {materials[i // each]}"] if materials else []
+            for low, high in zip(rings, rings[1:]):
+                for s in range(i, i + each):
+                    t = (s + 1) % segments
+                    self.lines.append(f"f {low[s]} {high[s]} {high[t]} {low[t]}")
 
 
 def sphere(radius, steps):
@@ -261,10 +298,51 @@ def halves():
     return m
 
 
+def lawn(m):
+    m.begin("lawn", "lawn")
+    m.quad((-40, 0, 8), (40, 0, 8), (40, 0, -40), (-40, 0, -40))
+    m.begin("sticks", "wood")
+    for x, y, z in [(-0.95, 1.35, 0), (0.75, 1.25, -2.6), (-4.3, 1.1, -6)]:
+        m.box((x - 0.025, 0, z - 0.14), (x + 0.025, y, z - 0.09))
+
+
+def pinwheel(m):
+    for i in range(6):
+        m.begin(f"vane_{i}", ["red", "yellow", "blue"][i % 3])
+        corners = [(0, 0, 0), (0.75, 0, -0.02), (0.62, 0.55, 0.16), (0.1, 1, 0.03)]
+        m.quad(*((r * cos(pi * (i + t) / 3), r * sin(pi * (i + t) / 3), z) for r, t, z in corners))
+    m.begin("hub", "white")
+    m.box((-0.05, -0.05, -0.1), (0.05, 0.05, 0.08))
+
+
+def beach_ball(m):
+    m.begin("beach_ball", "red")
+    m.lathe((0, 0, 0), sphere(0.45, 16), 30, ["red", "white", "yellow", "white", "blue", "white"])
+
+
+def marble(m):
+    m.begin("marble", "brass")
+    m.lathe((0, 0, 0), sphere(0.16, 12), 24)
+
+
+def bulb(m):
+    m.begin("bulb", "bulb")
+    m.lathe((0, 0, 0), sphere(0.05, 5), 10)
+
+
 def main():
     for name, mesh, materials in [("study", study(), STUDY_MATERIALS), ("halves", halves(), HALVES_MATERIALS)]:
-        (HERE / f"{name}.obj").write_text("\n".join(mesh.lines) + "\n")
+        write(name, mesh)
         (HERE / f"{name}.mtl").write_text(materials)
+    for piece in (lawn, pinwheel, beach_ball, marble, bulb):
+        mesh = Mesh("dusk")
+        piece(mesh)
+        write(f"dusk/{piece.__name__}", mesh)
+    (HERE / "dusk" / "dusk.mtl").write_text(DUSK_MATERIALS)
+
+
+def write(name, mesh):
+    (HERE / f"{name}.obj").write_text("\n".join(mesh.lines) + "\n")
 
 
 if __name__ == "__main__":

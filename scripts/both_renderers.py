@@ -13,12 +13,15 @@ What Mitsuba has no equal of is built here, from its documented formula:
 * `Compensated`, Mitsuba's own `roughconductor` or `roughdielectric` times the light that facets scatter more than once,
   which Tamis gives back and Mitsuba does not (crates/tracer/src/bsdf/conductor.rs, rough_glass.rs). The albedos for it
   are those of Mitsuba's own sampling.
+* The smooth edge of a spot, whose falloff is linear in the angle in Mitsuba: a picture before a spot with a hard edge.
+* A sun of some size: a disk so far away that nothing in the scene sees it elsewhere.
 
 Read are textures of the diffuse colour and of opacity; others are an error.
 """
 
 import dataclasses
 import glob
+import json
 import math
 import os
 import subprocess
@@ -181,7 +184,7 @@ def surface(entry, folder):
         return mirror(specular if specular.any() else diffuse)
     if model in (4, 6, 7, 9) or (opacity < 1.0 and "ni" in entry):
         return glass(entry)
-    if model in (3, 8) and specular.any() and not diffuse.any():
+    if model in (None, 3, 8) and specular.any() and not diffuse.any():
         return metal(specular, alpha)
     return opaque(entry, diffuse, specular, alpha)
 
@@ -475,9 +478,82 @@ class View:
     lens_radius: float = 0.0
     focus_distance: float = 1.0
     environment: str | None = None
+    # Tables of `[[light]]`, as docs/scene-format.md documents them.
+    lights: list = dataclasses.field(default_factory=list)
     max_depth: int = 8
     # Mitsuba's samples for each of Tamis's, where it is that much noisier.
     mitsuba_samples: int = 1
+
+
+# --- Lights, as docs/scene-format.md documents `[[light]]` ------------------------------------------------------------
+
+
+def lamp(light):
+    """Mitsuba's description of a light. Its disks and spheres are round, not flat-faced."""
+    kind, at = light["type"], light.get("position")
+    if kind == "point":
+        return {"type": "point", "position": at, "intensity": rgb(light["intensity"])}
+    if kind == "spot":
+        return spot(light)
+    if kind == "sun":
+        return sun(light)
+    if kind == "quad":
+        a, b = light["size"]
+        return emitting({"type": "rectangle", "to_world": facing(light, [a / 2.0, b / 2.0])}, a * b, light)
+    radius = light["radius"]
+    area = math.pi * radius**2
+    if kind == "disk":
+        return emitting({"type": "disk", "to_world": facing(light, [radius, radius])}, area, light)
+    assert kind == "sphere", kind
+    return emitting({"type": "sphere", "center": at, "radius": radius}, 4.0 * area, light)
+
+
+def emitting(described, area, light):
+    """A shape that reflects nothing and emits on its outside."""
+    radiance = light["radiance"] if "radiance" in light else [p / (math.pi * area) for p in light["power"]]
+    described["bsdf"] = {"type": "diffuse", "reflectance": rgb([0.0, 0.0, 0.0])}
+    return described | {"emitter": {"type": "area", "radiance": rgb(radiance)}}
+
+
+def facing(light, scale=(1.0, 1.0)):
+    """Takes the origin to where a light is and z to its axis, and first scales x and y."""
+    at, target, up = light["position"], light["look_at"], light.get("up", [0.0, 1.0, 0.0])
+    if not np.cross(np.subtract(target, at), up).any():
+        up = [1.0, 0.0, 0.0]
+    placed = mi.ScalarTransform4f().look_at(origin=at, target=target, up=up)
+    return placed @ mi.ScalarTransform4f().scale([*scale, 1.0])
+
+
+SPOT_PICTURE = 2048
+
+
+def spot(light):
+    """With a hard edge, and the smooth step in the cosine as a picture, whose sides are at the edge."""
+    rim, fade = light.get("cone_angle", 30.0), light.get("cone_delta_angle", 5.0)
+    described = {"type": "spot", "cutoff_angle": rim, "beam_width": rim, "to_world": facing(light)}
+    described["intensity"] = rgb(light["intensity"])
+    if fade > 0.0:
+        places = (2.0 * (np.arange(SPOT_PICTURE) + 0.5) / SPOT_PICTURE - 1.0) * math.tan(math.radians(rim))
+        cosine = 1.0 / np.sqrt(1.0 + places[:, None] ** 2 + places[None, :] ** 2)
+        low, high = math.cos(math.radians(rim)), math.cos(math.radians(rim - fade))
+        t = np.clip((cosine - low) / (high - low), 0.0, 1.0)
+        smooth = mi.Bitmap((t * t * (3.0 - 2.0 * t)).astype(np.float32)[..., None])
+        described["texture"] = {"type": "bitmap", "bitmap": smooth, "raw": True, "wrap_mode": "clamp"}
+    return described
+
+
+# How far a sun is away. Nearer, it would move with the place; farther, single precision would move its rim.
+FAR = 1e5
+
+
+def sun(light):
+    half, direction = math.radians(light.get("angle", 0.53)) / 2.0, light["direction"]
+    if half == 0.0:
+        return {"type": "directional", "direction": direction, "irradiance": rgb(light["irradiance"])}
+    at = -FAR * np.array(direction) / np.linalg.norm(direction)
+    radiance = [e / (math.pi * math.sin(half) ** 2) for e in light["irradiance"]]
+    described = {"type": "disk", "position": at.tolist(), "look_at": [0.0, 0.0, 0.0], "radius": FAR * math.tan(half)}
+    return lamp(described | {"radiance": radiance})
 
 
 # --- Mitsuba ----------------------------------------------------------------------------------------------------------
@@ -526,6 +602,7 @@ def mitsuba_scene(view, folder):
     described["integrator"] = {"type": "path", "max_depth": view.max_depth + 1, "rr_depth": 100000}
     if view.environment:
         described["sky"] = {"type": "envmap", "filename": view.environment}
+    described |= {f"light{i}": lamp(light) for i, light in enumerate(view.lights)}
     for i, part in enumerate(obj.parts):
         described[f"part{i}"] = shape(os.path.join(folder, f"part{i}.ply"), part, obj)
     return mi.load_dict(described)
@@ -563,15 +640,26 @@ def render_with_mitsuba(view, spp, seeds):
 def render_with_tamis(tamis, view, spp, seeds):
     """One picture per seed: seeds × height × width × 3. `tamis` is the program."""
     with tempfile.TemporaryDirectory() as folder:
-        path = os.path.join(folder, "picture.exr")
-        return np.stack([tamis_picture(tamis, view, spp, seed, path) for seed in seeds])
+        path, scene = os.path.join(folder, "picture.exr"), view.scene
+        if view.lights:
+            scene = os.path.join(folder, "scene.toml")
+            write_scene_toml(scene, view)
+        return np.stack([tamis_picture(tamis, scene, view, spp, seed, path) for seed in seeds])
 
 
-def tamis_picture(tamis, view, spp, seed, path):
+def write_scene_toml(path, view):
+    """The geometry with the lights. Strings, numbers and lists are written alike in JSON and TOML."""
+    tables = [("geometry", {"file": os.path.abspath(view.scene)}), *(("light", light) for light in view.lights)]
+    with open(path, "w") as file:
+        for name, table in tables:
+            file.write(f"[[{name}]]\n" + "".join(f"{key} = {json.dumps(value)}\n" for key, value in table.items()))
+
+
+def tamis_picture(tamis, scene, view, spp, seed, path):
     def joined(values):
         return ",".join(str(v) for v in values)
 
-    command = [tamis, "render", view.scene, "--uniform", "--no-denoise", "--quiet", "--aov", "none"]
+    command = [tamis, "render", scene, "--uniform", "--no-denoise", "--quiet", "--aov", "none"]
     command += [f"--eye={joined(view.eye)}", f"--look-at={joined(view.look_at)}", f"--up={joined(view.up)}"]
     command += [f"--fov={view.fov}", f"--size={view.size[0]}x{view.size[1]}", f"--spp={spp}"]
     command += [f"--lens-radius={view.lens_radius}", f"--focus-distance={view.focus_distance}"]

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Ten small scenes rendered by Tamis and by Mitsuba 3, and a Z-test of every pixel.
+"""Twelve small scenes rendered by Tamis and by Mitsuba 3, and a Z-test of every pixel.
 
     pip install mitsuba numpy openexr pillow          (tried with mitsuba 3.9, numpy 2, openexr 3.5, pillow 13)
     python scripts/z_test_against_mitsuba.py -o DIR   (some ten minutes; --only NAME for one scene)
@@ -189,9 +189,36 @@ def thin_lens(folder):
     return scene.view(lens_radius=0.25, focus_distance=6.5)
 
 
+def with_two_balls(folder, name, lights):
+    scene = stage(folder, name, lamp=False)
+    scene.sphere(scene.material("chalk", "Kd 0.7 0.7 0.7"), (-0.9, 0.8, 0.2), 0.8)
+    scene.sphere(scene.material("coated", "Kd 0.5 0.2 0.1\nKs 0.04 0.04 0.04\nPr 0.5"), (0.9, 0.7, 0.8), 0.7)
+    return scene.view(lights=lights)
+
+
+def unseen_lights(folder):
+    """A point, a spot with a hard edge and one with a smooth one, a sun that is a point and one of six degrees."""
+    point = {"type": "point", "position": [0.2, 2.6, 1.2], "intensity": [5, 4, 3]}
+    hard = {"type": "spot", "position": [2, 3.5, 2.5], "look_at": [0.9, 0.7, 0.8], "intensity": [10, 25, 30]}
+    hard |= {"cone_angle": 16, "cone_delta_angle": 0}
+    smooth = {"type": "spot", "position": [-1.8, 3, 2], "look_at": [-1.8, 0, 2], "intensity": [30, 10, 10]}
+    smooth |= {"cone_angle": 24, "cone_delta_angle": 18}
+    sharp = {"type": "sun", "direction": [-1, -1.2, -0.4], "irradiance": [1, 0.9, 0.5], "angle": 0}
+    wide = {"type": "sun", "direction": [0.4, -1.5, -1], "irradiance": [0.5, 0.7, 1], "angle": 6}
+    return with_two_balls(folder, "points, spots and suns", [point, hard, smooth, sharp, wide])
+
+
+def shapes_that_emit(folder):
+    quad = {"type": "quad", "position": [1.5, 3.2, -1.5], "look_at": [0.9, 0.7, 0.8], "size": [1.6, 0.5]}
+    quad |= {"radiance": [9, 8, 6]}
+    disk = {"type": "disk", "position": [-2.9, 2.4, 0.5], "look_at": [0, 0.5, 0.5], "radius": 0.5, "radiance": [8, 2, 2]}
+    sphere = {"type": "sphere", "position": [0.1, 1.9, -0.4], "radius": 0.3, "power": [10, 30, 40]}
+    return with_two_balls(folder, "quad, disk and sphere", [quad, disk, sphere])
+
+
 SCENES = [
     diffuse, coated, rough_conductor, smooth_conductor, rough_dielectric, smooth_dielectric, textured, environment,
-    many_lights, thin_lens,
+    many_lights, thin_lens, unseen_lights, shapes_that_emit,
 ]
 
 

@@ -1,13 +1,14 @@
 //! Feeds mutated files to the readers of Tamis.
 //!
 //! ```sh
-//! cargo run --release --manifest-path fuzz/Cargo.toml -- TARGET COUNT [SEED]
+//! cargo run --profile fuzz -p fuzz -- TARGET COUNT [SEED]
 //! ```
 //!
 //! or, to read single files again, `-- TARGET FILE...`.
 //!
 //! Every input must end in a scene, a picture or an error: a panic, more than 10 seconds, or more memory than the input's size
-//! explains is a fault, and its input is kept in `fuzz/faults`. The same seed makes the same inputs.
+//! explains is a fault, and its input is kept in `fuzz/faults`, as is one that took more than 2 seconds. The same seed makes the
+//! same inputs.
 
 mod mutation;
 mod target;
@@ -16,6 +17,7 @@ mod watchdog;
 use std::panic::catch_unwind;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::{Duration, Instant};
 use std::{env, fs, io};
 
 use mutation::{Mutator, Random};
@@ -59,7 +61,9 @@ fn replay(target: Target, files: &[String]) -> io::Result<u64> {
     let folder = target.prepare(Path::new(env!("CARGO_MANIFEST_DIR")))?;
     for file in files {
         fs::copy(file, folder.path().join(target.file()))?;
-        println!("{file}: {}", target.read(folder.path()).err().unwrap_or("read".into()));
+        let start = Instant::now();
+        let said = target.read(folder.path()).err().unwrap_or("read".into());
+        println!("{file}: {said} ({:.2} s)", start.elapsed().as_secs_f64());
     }
     Ok(0)
 }
@@ -75,7 +79,7 @@ fn run(target: Target, count: u64, seed: u64) -> io::Result<u64> {
     }
     let watchdog = Watchdog::start(folder.path().join(target.file()));
     std::panic::set_hook(Box::new(|panic| eprintln!("{panic}")));
-    let (mut faults, mut accepted, mut worst) = (0, 0, 0.0_f64);
+    let (mut faults, mut accepted, mut worst, mut longest) = (0, 0, 0.0_f64, Duration::ZERO);
     for number in 0..count {
         let mut random = Random::new(seed, number);
         let bytes = Mutator::new(&seeds, &mut random).make();
@@ -85,7 +89,12 @@ fn run(target: Target, count: u64, seed: u64) -> io::Result<u64> {
         MEMORY.reset_peak_usage();
         watchdog.begin();
         let outcome = catch_unwind(|| target.read(folder.path()));
-        watchdog.end();
+        let took = watchdog.end();
+        longest = longest.max(took);
+        if took > watchdog::SLOW {
+            let kept = keep(home, target, seed, number, &bytes)?;
+            eprintln!("{} {number}: slow, {:.2} s; kept in {}", target.name(), took.as_secs_f64(), kept.display());
+        }
         let taken = MEMORY.peak_usage().saturating_sub(before);
         let allowed = target.allowed_bytes(bytes.len());
         worst = worst.max(taken as f64 / allowed as f64);
@@ -106,7 +115,7 @@ fn run(target: Target, count: u64, seed: u64) -> io::Result<u64> {
          the memory allowed",
         target.name(),
         count - accepted - faults,
-        watchdog.longest().as_secs_f64(),
+        longest.as_secs_f64(),
         100.0 * worst
     );
     Ok(faults)

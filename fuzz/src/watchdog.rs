@@ -5,6 +5,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
+/// What takes longer is kept, to be looked at.
+pub const SLOW: Duration = Duration::from_secs(2);
+
 /// Longest that an input may take.
 const LONGEST: Duration = Duration::from_secs(10);
 
@@ -18,8 +21,6 @@ pub struct Watchdog {
 
 /// Milliseconds since the start at which the current input began, plus one; 0 between inputs.
 static BEGAN: AtomicU64 = AtomicU64::new(0);
-/// Milliseconds that the slowest input took.
-static SLOWEST: AtomicU64 = AtomicU64::new(0);
 
 impl Watchdog {
     /// Starts; `input` is where the current input can be found.
@@ -51,14 +52,8 @@ impl Watchdog {
         BEGAN.store(self.now(), Ordering::Relaxed);
     }
 
-    /// It has ended.
-    pub fn end(&self) {
-        let took = self.now().saturating_sub(BEGAN.swap(0, Ordering::Relaxed));
-        SLOWEST.fetch_max(took, Ordering::Relaxed);
-    }
-
-    /// How long the slowest input took.
-    pub fn longest(&self) -> Duration {
-        Duration::from_millis(SLOWEST.load(Ordering::Relaxed))
+    /// It has ended, after what is returned.
+    pub fn end(&self) -> Duration {
+        Duration::from_millis(self.now().saturating_sub(BEGAN.swap(0, Ordering::Relaxed)))
     }
 }

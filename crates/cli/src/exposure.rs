@@ -8,8 +8,12 @@ const CLIPPED: f64 = 0.03;
 /// Darkest and lightest linear grey that the median of the picture may end at.
 const MEDIAN: [f32; 2] = [0.12, 0.25];
 
+/// What is darker than this share of the bright pixels is background: where there was nothing to see, a reconstruction may
+/// leave traces of light.
+const BACKGROUND: f32 = 1e-3;
+
 /// Stops by which `picture` should be lifted to fill an 8-bit range: all but the brightest 3 % of its pixels stay below
-/// white, as long as that leaves its median at a middle grey. 0 for a black picture.
+/// white, as long as that leaves its median at a middle grey. Black background does not count. 0 for a black picture.
 pub fn choose(picture: &Image) -> f32 {
     let mut luminance: Vec<f32> = (0..picture.pixels())
         .map(|pixel| picture.mean_at(pixel))
@@ -19,11 +23,16 @@ pub fn choose(picture: &Image) -> f32 {
         return 0.0;
     }
     luminance.sort_by(f32::total_cmp);
-    let quantile = |share: f64| luminance[((luminance.len() - 1) as f64 * share) as usize];
-    let (bright, median) = (quantile(1.0 - CLIPPED), quantile(0.5));
-    let median = median.max(1e-3 * bright);
+    let background = BACKGROUND * quantile(&luminance, 1.0 - CLIPPED);
+    let lit = &luminance[luminance.partition_point(|&value| value < background)..];
+    let (bright, median) = (quantile(lit, 1.0 - CLIPPED), quantile(lit, 0.5));
     let factor = (1.0 / bright).clamp(MEDIAN[0] / median, MEDIAN[1] / median);
     (factor.log2() * 10.0).round() / 10.0
+}
+
+/// The value that the share `share` of the `sorted` ones, of which there are some, does not exceed.
+fn quantile(sorted: &[f32], share: f64) -> f32 {
+    sorted[((sorted.len() - 1) as f64 * share) as usize]
 }
 
 /// sRGB bytes, row-major, of `picture` lifted by `stops`.
@@ -51,6 +60,14 @@ mod tests {
         let brighter = Image::from_channels(Size::new(10, 10), brighter);
         assert!((choose(&picture) - choose(&brighter) - 3.0).abs() < 0.11);
         assert_eq!(choose(&Image::zeros(Size::new(2, 2), 3)), 0.0);
+    }
+
+    #[test]
+    fn background_with_traces_of_light_does_not_count() {
+        let of = |values: Vec<f32>| choose(&Image::from_channels(Size::new(values.len(), 1), vec![values; 3]));
+        let lit: Vec<f32> = (1..=20).map(|i| i as f32 / 20.0).collect();
+        let traces = (0..80).map(|i| if i % 2 == 0 { 0.0 } else { 1e-9 * i as f32 });
+        assert_eq!(of(lit.iter().copied().chain(traces).collect()), of(lit));
     }
 
     #[test]

@@ -6,7 +6,7 @@
 //! | `illum` 5 | mirror that reflects `Ks` (or `Kd` where there is no `Ks`) |
 //! | `illum` 4, 9 | pane of thin glass of index `Ni` (1.5), tinted by `Tf` |
 //! | `illum` 6, 7, or `d` < 1 with `Ni` | glass of index `Ni` (1.5), tinted by `Tf`; rough by `Pr` |
-//! | `illum` 3, 8 with `Ks` and no `Kd` | metal that reflects `Ks`; a mirror when neither `Ns` nor `Pr` makes it rough |
+//! | `illum` 3, 8 or none, with `Ks` and no `Kd` | metal that reflects `Ks`; a mirror when neither `Ns` nor `Pr` makes it rough |
 //! | `Ks` > 0 with `Ns` or `Pr`, `illum` not 0 or 1; or `Pr`, `Pm` | diffuse under a rough coat |
 //! | else | diffuse `Kd` (grey 0.5 where neither `Kd` nor `map_Kd` is given) |
 //!
@@ -111,7 +111,7 @@ impl MtlEntry {
                 _ => Surface::Glass { ior, transmittance: capped(tint), alpha: self.roughness_alpha().unwrap_or(0.0) },
             };
         }
-        if matches!(self.model, Some(3 | 8)) && has(&specular) && !has(&diffuse) {
+        if matches!(self.model, None | Some(3 | 8)) && has(&specular) && !has(&diffuse) {
             return metal(specular, self.alpha());
         }
         self.opaque(diffuse, specular)
@@ -170,6 +170,12 @@ mod tests {
         );
         assert!(matches!(surface("Kd 0 0 0\nKs 1 1 1\nNs 198\nillum 3"), Surface::Conductor { alpha: 0.1, .. }));
         assert!(matches!(surface("Kd 0 0 0\nKs 1 1 1\nillum 3"), Surface::Mirror { .. }));
+        assert!(
+            matches!(surface("Ks .5 .5 .5"), Surface::Mirror { reflectance } if constant(&reflectance) == grey),
+            "nothing but a highlight is no black thing"
+        );
+        assert!(matches!(surface("Kd 0 0 0\nKs 1 1 1\nNs 198"), Surface::Conductor { alpha: 0.1, .. }));
+        assert!(matches!(surface("Kd .1 0 0\nKs 1 1 1"), Surface::Diffuse { .. }));
         assert!(matches!(surface("Kd 1 .5 0\nPm 1\nPr .5"), Surface::Conductor { alpha: 0.25, .. }));
     }
 

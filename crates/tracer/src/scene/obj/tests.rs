@@ -56,6 +56,10 @@ fn mistakes_are_told_with_their_line() {
     assert_eq!(refusal(CORNERS.as_bytes()), "a.obj: has 4 vertices but no face with three corners");
     assert_eq!(refusal(&with_corners("f 1 2\nl 1 2\np 1\n")), "a.obj: has 4 vertices but no face with three corners");
     assert_eq!(refusal(b"# x\nv 0 0 zero\n"), "a.obj:2: expected v and three numbers, found 'v 0 0 zero'");
+    assert_eq!(
+        refusal(b"v +1 2. .5\nv 1E+2 2.e-1 -3e01\nv 1 2 3.1+e2\n"),
+        "a.obj:3: expected v and three numbers, found 'v 1 2 3.1+e2'"
+    );
     assert_eq!(refusal(b"v 0 0\n"), "a.obj:1: expected v and three numbers, found 'v 0 0'");
     assert_eq!(
         refusal(&with_corners("f 1 2 3\nf 1 2 5\nf 1 2 7\n")),
