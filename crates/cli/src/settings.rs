@@ -82,19 +82,18 @@ impl Settings {
     }
 }
 
-/// The method of `best` with few fits in small windows, a smaller prefilter and split, fewer scales, and spread events as
-/// they fall.
+/// The method of `best` with few fits in small windows, a smaller prefilter, fewer scales of details, spread events as they
+/// fall, and candidates mixed by the rule alone.
 fn fast() -> BestSettings {
     let mut best = BestSettings::default();
-    best.split.radius = 1;
-    best.features.radius = 1;
+    best.features.radius = 2;
     let (first_radius, second_radius) = (5, 7);
     // No window is so tiny that the lattice leaves most pixels to fits of their own.
     let tiny_sigma = 3.0;
-    let regression = FitSettings { stride: 6, covered: 0.3, first_radius, second_radius, ..FitSettings::DEFAULT };
+    let regression = FitSettings { stride: 6, covered: 0.2, first_radius, second_radius, ..FitSettings::DEFAULT };
     best.regression = FitSettings { tiny_sigma, ..regression };
     best.spread.levels = 0;
     best.cascade.levels = 4;
-    best.restore.levels = 2;
+    best.choice.learned = false;
     best
 }

@@ -118,7 +118,7 @@ impl pulp::NullaryFnOnce for TileTask<'_> {
         let mut weights = Vec::new();
         for y in self.tile.y0..self.tile.y1 {
             for occurrence in self.task.occurrences.of_row(y, self.tile.x0..self.tile.x1) {
-                self.task.spread_one(occurrence, y, place, &mut weights, &mut sums);
+                self.task.spread_one(occurrence, place, &mut weights, &mut sums);
             }
         }
         (place, sums)
@@ -127,19 +127,12 @@ impl pulp::NullaryFnOnce for TileTask<'_> {
 
 impl SpreadTask<'_> {
     #[inline(always)]
-    fn spread_one(
-        &self,
-        event: &Occurrence,
-        y: usize,
-        place: Rectangle,
-        weights: &mut Vec<f32>,
-        sums: &mut [Vec<f32>],
-    ) {
-        let sigma = self.occurrences.sigma(event, y);
-        let disc = Disc { centre: [event.x, y], radius: (REACH * sigma).max(0.3), size: self.size };
+    fn spread_one(&self, event: &Occurrence, place: Rectangle, weights: &mut Vec<f32>, sums: &mut [Vec<f32>]) {
+        let sigma = self.occurrences.sigma(event);
+        let disc = Disc { centre: event.place, radius: (REACH * sigma).max(0.3), size: self.size };
         weights.clear();
         for (row, columns) in disc.rows() {
-            self.weigh(event, y, sigma, row, columns, weights);
+            self.weigh(event.place, sigma, row, columns, weights);
         }
         let norm: f32 = weights.iter().sum();
         let own = event.light.map(|light| light / norm);
@@ -158,21 +151,13 @@ impl SpreadTask<'_> {
         }
     }
 
-    /// Adds the weights of some pixels of a row.
+    /// Adds the weights that an event at column `x`, row `y` has for some pixels of a row.
     #[inline(always)]
-    fn weigh(
-        &self,
-        event: &Occurrence,
-        y: usize,
-        sigma: f32,
-        row: usize,
-        columns: Range<usize>,
-        weights: &mut Vec<f32>,
-    ) {
-        let (first, own) = (weights.len(), self.size.index(event.x, y));
+    fn weigh(&self, [x, y]: [usize; 2], sigma: f32, row: usize, columns: Range<usize>, weights: &mut Vec<f32>) {
+        let (first, own) = (weights.len(), self.size.index(x, y));
         let scale = 1.0 / (2.0 * sigma * sigma);
         let across = row.abs_diff(y).pow(2);
-        weights.extend(columns.clone().map(|x| scale * (x.abs_diff(event.x).pow(2) + across) as f32));
+        weights.extend(columns.clone().map(|column| scale * (column.abs_diff(x).pow(2) + across) as f32));
         let weights = &mut weights[first..];
         for guide in self.guides {
             let (own, there) = (guide[own], &guide[self.size.index(columns.start, row)..][..columns.len()]);

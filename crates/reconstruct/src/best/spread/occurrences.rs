@@ -16,8 +16,8 @@ const COUNTED: f32 = 1.5;
 /// The events of one pixel.
 #[derive(Clone, Debug)]
 pub struct Occurrence {
-    /// Column of the pixel.
-    pub x: usize,
+    /// Column and row of the pixel.
+    pub place: [usize; 2],
     /// Light of either half, three channels each.
     pub light: [f32; 6],
     /// See [`Events::concentration`].
@@ -56,7 +56,7 @@ impl Occurrences {
                     let (concentration, squares) = (events.concentration(pixel), events.squares[pixel]);
                     let first = found.guides.len();
                     found.guides.extend(guides.iter().map(|plane| plane[pixel]));
-                    found.all.push(Occurrence { x, light, concentration, guides: first, energy, squares });
+                    found.all.push(Occurrence { place: [x, y], light, concentration, guides: first, energy, squares });
                 }
             }
             found.rows.push(found.all.len());
@@ -68,19 +68,20 @@ impl Occurrences {
     #[inline(always)]
     pub fn of_row(&self, y: usize, columns: Range<usize>) -> &[Occurrence] {
         let row = &self.all[self.rows[y]..self.rows[y + 1]];
-        let before = |end: usize| row.partition_point(|occurrence| occurrence.x < end);
+        let before = |end: usize| row.partition_point(|occurrence| occurrence.place[0] < end);
         &row[before(columns.start)..before(columns.end)]
     }
 
-    /// The least deviation with which the surroundings of an `event` of row `y` hold enough of them: Σγe squared over
-    /// Σγe² counts them, γ their likeness.
+    /// The least deviation with which the surroundings of an `event` hold enough of them: Σγe squared over Σγe² counts
+    /// them, γ their likeness.
     #[inline(always)]
-    pub fn sigma(&self, event: &Occurrence, y: usize) -> f32 {
+    pub fn sigma(&self, event: &Occurrence) -> f32 {
         const REACH: usize = (COUNTED * SIGMAS[SIGMAS.len() - 1]) as usize;
+        let [x, y] = event.place;
         let mut rings = [[0.0_f32; 2]; SIGMAS.len()];
         for row in y.saturating_sub(REACH)..(y + REACH + 1).min(self.rows.len() - 1) {
-            for near in self.of_row(row, event.x.saturating_sub(REACH)..event.x + REACH + 1) {
-                let squared = (near.x.abs_diff(event.x).pow(2) + row.abs_diff(y).pow(2)) as f32;
+            for near in self.of_row(row, x.saturating_sub(REACH)..x + REACH + 1) {
+                let squared = (near.place[0].abs_diff(x).pow(2) + row.abs_diff(y).pow(2)) as f32;
                 let ring = SIGMAS.partition_point(|sigma| squared > (COUNTED * sigma).powi(2));
                 if let Some(ring) = rings.get_mut(ring) {
                     let likeness = self.likeness(event, near);
