@@ -49,7 +49,7 @@ pub struct Completed<'a> {
     pub lacks: Vec<Lack>,
 }
 
-/// Completes `stack`: it comes back as it is where it lacks nothing.
+/// Completes `stack`: it comes back as it is where it lacks nothing. Reports the stage `completion`.
 ///
 /// # Errors
 /// When a feature does not fit its role or the stack.
@@ -58,6 +58,7 @@ pub fn complete<'a>(
     settings: &CompletionSettings,
     monitor: &dyn Monitor,
 ) -> Result<Completed<'a>, PrefilterError> {
+    monitor.begin("completion", 1);
     let mut completed = Completed { stack: Cow::Borrowed(stack), lacks: Vec::new() };
     completed.measure_features(settings);
     if stack.feature(FeatureRole::Position).is_none() {
