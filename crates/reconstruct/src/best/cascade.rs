@@ -8,13 +8,11 @@ use stack::{Cancelled, Image, Monitor, SampleCounts};
 use super::guided_kernel::GuidedKernel;
 use super::settings::CascadeSettings;
 use crate::per_pixel;
+pub use parting::MOST_PARTS;
 use parting::Parting;
 
 /// How often the significance of a detail is smoothed: at its own scale, and at so many less one of the next.
 const SMOOTHINGS: usize = 3;
-
-/// Most parts that a picture comes in.
-pub const MOST_PARTS: usize = 8;
 
 /// Independent parts of a picture, at most [`MOST_PARTS`].
 pub struct Parts {

@@ -74,9 +74,9 @@ impl WithSimd for RowTask<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { kernel, planes, step, y, mut smooth } = self;
-        let mut piece = Piece::new();
+        let mut piece = Piece::new(kernel.size, &kernel.guides, step);
         for pixels in pieces(kernel.size.width, step) {
-            piece.weigh(simd, kernel, step, y, pixels.clone());
+            piece.weigh(simd, y, pixels.clone());
             for (planes, smooth) in planes.chunks(PLANES).zip(smooth.chunks_mut(PLANES)) {
                 match (planes, smooth) {
                     ([a], [x]) => piece.smooth(simd, [a], [&mut x[pixels.clone()]]),

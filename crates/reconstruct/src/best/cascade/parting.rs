@@ -2,10 +2,12 @@
 
 use stack::Image;
 
-use super::MOST_PARTS;
 use crate::best::settings::CascadeSettings;
 use crate::eight::LANES;
 use crate::per_pixel::Pixels;
+
+/// Most parts that a picture comes in.
+pub const MOST_PARTS: usize = 8;
 
 /// A number of each of eight pixels.
 type Lanes = [f32; LANES];

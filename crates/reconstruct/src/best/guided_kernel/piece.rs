@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use pulp::Simd;
+use stack::Size;
 
-use super::GuidedKernel;
 use crate::eight::{Eight, LANES};
 use crate::exp::exp_of_negative;
 
@@ -19,7 +19,11 @@ pub const PLANES: usize = 3;
 const BATCHES: usize = 4;
 
 /// Consecutive pixels of a row that have the same taps.
-pub struct Piece {
+pub struct Piece<'a> {
+    size: Size,
+    guides: &'a [Vec<f32>],
+    /// Pixels from tap to tap.
+    step: usize,
     /// Where each tap of the first pixel lies in a plane.
     taps: [usize; TAPS],
     count: usize,
@@ -28,16 +32,17 @@ pub struct Piece {
     scale: [f32; PIXELS],
 }
 
-impl Piece {
-    /// Room for one.
-    pub fn new() -> Self {
-        Self { taps: [0; TAPS], count: 0, weights: [[0.0; PIXELS]; TAPS], scale: [0.0; PIXELS] }
+impl<'a> Piece<'a> {
+    /// Room for one in a picture of `size`, whose pixels the `guides` separate, with taps `step` pixels apart.
+    pub fn new(size: Size, guides: &'a [Vec<f32>], step: usize) -> Self {
+        let (weights, scale) = ([[0.0; PIXELS]; TAPS], [0.0; PIXELS]);
+        Self { size, guides, step, taps: [0; TAPS], count: 0, weights, scale }
     }
 
-    /// Weighs the taps of the `pixels` of row `y`, `step` pixels apart. All of the pixels must have the same ones.
+    /// Weighs the taps of the `pixels` of row `y`. All of the pixels must have the same ones.
     #[inline(always)]
-    pub fn weigh<S: Simd>(&mut self, simd: S, kernel: &GuidedKernel, step: usize, y: usize, pixels: Range<usize>) {
-        let size = kernel.size;
+    pub fn weigh<S: Simd>(&mut self, simd: S, y: usize, pixels: Range<usize>) {
+        let Self { size, guides, step, .. } = *self;
         let here = size.index(pixels.start, y);
         let tap = |place: usize, number: usize| (place + number * step).checked_sub(SPLINE.len() / 2 * step);
         (self.count, self.scale) = (0, [0.0; PIXELS]);
@@ -47,10 +52,10 @@ impl Piece {
                 let Some(column) = tap(pixels.start, i).filter(|column| *column < size.width) else { continue };
                 let (there, weights) = (size.index(column, row), &mut self.weights[self.count]);
                 for at in whole_batches(pixels.len()) {
-                    squares::<S, BATCHES>(simd, kernel, here + at, there + at, &mut weights[at..]);
+                    squares::<S, BATCHES>(simd, guides, here + at, there + at, &mut weights[at..]);
                 }
                 for at in rest(pixels.len()) {
-                    squares::<S, 1>(simd, kernel, here + at, there + at, &mut weights[at..]);
+                    squares::<S, 1>(simd, guides, here + at, there + at, &mut weights[at..]);
                 }
                 for (weight, sum) in weights.iter_mut().zip(&mut self.scale) {
                     *weight = across * along * exp_of_negative(-*weight);
@@ -122,9 +127,9 @@ fn from<const B: usize>(plane: &[f32], start: usize) -> &[f32] {
 
 /// Σ Δ² between `B` times eight pixels from number `here` on and those from `there` on.
 #[inline(always)]
-fn squares<S: Simd, const B: usize>(simd: S, kernel: &GuidedKernel, here: usize, there: usize, squares: &mut [f32]) {
+fn squares<S: Simd, const B: usize>(simd: S, guides: &[Vec<f32>], here: usize, there: usize, squares: &mut [f32]) {
     let mut sums = [Eight::splat(simd, 0.0); B];
-    for guide in &kernel.guides {
+    for guide in guides {
         let (p, q) = (from::<B>(guide, here), from::<B>(guide, there));
         for b in 0..B {
             let here = Eight::load_some(simd, &p[b * LANES..]);
