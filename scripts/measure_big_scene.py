@@ -9,11 +9,10 @@ tells them. Plain Python, no packages.
 """
 
 import argparse
-import json
 import math
 import os
-import subprocess
-import tempfile
+
+import measuring
 
 # Rows that are made into text at a time.
 AT_ONCE = 64
@@ -37,8 +36,8 @@ def measure(options, folder):
     scene = os.path.join(folder, "sheet.obj")
     write_sheet(scene, side)
     command = [options.tamis, "render", scene, "--eye=0.5,0.8,1.6", "--look-at=0.5,0,0.4", "--size=320x240", "--spp=1"]
-    command += ["--uniform", "--no-denoise", "--aov=none", "--json", "-o", os.path.join(folder, "sheet.exr")]
-    report = json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout)
+    command += ["--uniform", "--no-denoise", "--aov=none", "-o", os.path.join(folder, "sheet.exr")]
+    report = measuring.report_of(command)
     triangles, size, seconds = 2 * side * side, os.path.getsize(scene), report["seconds"]
     print(f"{triangles} triangles, {size / 1e6:.0f} MB of OBJ")
     print(f"memory: {report['peak_bytes'] / triangles:.0f} bytes a triangle, {report['peak_bytes'] / 1e9:.2f} GB in all")
@@ -49,14 +48,7 @@ def measure(options, folder):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--triangles", type=int, default=10_000_000)
-    parser.add_argument("--folder", help="where the scene is written, and kept; a temporary one by default")
-    parser.add_argument("--tamis", default="target/debug/tamis")
-    options = parser.parse_args()
-    if options.folder:
-        os.makedirs(options.folder, exist_ok=True)
-        return measure(options, options.folder)
-    with tempfile.TemporaryDirectory() as folder:
-        return measure(options, folder)
+    measuring.run(parser, measure)
 
 
 if __name__ == "__main__":

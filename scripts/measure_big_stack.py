@@ -1,18 +1,16 @@
 #!/usr/bin/env python3
 """Repeats a small stack over a large picture, denoises that, and tells memory and time per pixel.
 
-    python scripts/measure_big_stack.py FILE.exr                                (8192×4096: ten minutes on two cores)
+    python scripts/measure_big_stack.py FILE.exr                                (8192×4096: up to half an hour)
     python scripts/measure_big_stack.py FILE.exr --size 2048x2048 --max-memory 2G
 
 FILE is any stack that `tamis denoise FILE` takes. Its seams are no pictures, but they are work. Needs numpy and OpenEXR.
 """
 
 import argparse
-import json
 import os
-import subprocess
-import tempfile
 
+import measuring
 import numpy as np
 import OpenEXR
 
@@ -33,9 +31,9 @@ def measure(options, folder):
     width, height = (int(side) for side in options.size.split("x"))
     stack = os.path.join(folder, "noisy.exr")
     repeat(options.stack, stack, width, height)
-    command = [options.tamis, "denoise", stack, "-o", os.path.join(folder, "clean.exr"), "--json", *options.flags]
+    command = [options.tamis, "denoise", stack, "-o", os.path.join(folder, "clean.exr")]
     command += ["--max-memory", options.max_memory] if options.max_memory else []
-    report = json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout)
+    report = measuring.report_of(command)
     pixels, seconds = width * height, report["seconds"]
     work = sum(report["stages"].values())
     print(f"{width}×{height}: a file of {os.path.getsize(stack) / 1e9:.2f} GB")
@@ -48,15 +46,7 @@ def main():
     parser.add_argument("stack", metavar="FILE")
     parser.add_argument("--size", default="8192x4096")
     parser.add_argument("--max-memory")
-    parser.add_argument("--flags", nargs="*", default=[], metavar="FLAG", help="more flags of tamis denoise, last")
-    parser.add_argument("--folder", help="where the pictures are written, and kept; a temporary one by default")
-    parser.add_argument("--tamis", default="target/debug/tamis")
-    options = parser.parse_args()
-    if options.folder:
-        os.makedirs(options.folder, exist_ok=True)
-        return measure(options, options.folder)
-    with tempfile.TemporaryDirectory() as folder:
-        return measure(options, folder)
+    measuring.run(parser, measure)
 
 
 if __name__ == "__main__":

@@ -139,7 +139,7 @@ impl Task<'_> {
         }
         let size = read.stack.size();
         let reconstruction = reconstruct_freeing(&mut read.stack, settings, extras, progress)?;
-        if then.output || then.guide {
+        if then.needs_stack() {
             read.stack = self.read()?.stack;
             let again = mean_radiance(&read.stack.beauty());
             if read.stack.size() != size || again.to_bits() != noisy.to_bits() {

@@ -101,6 +101,13 @@ pub struct Afterwards {
     pub guide: bool,
 }
 
+impl Afterwards {
+    /// Whether anything does.
+    pub fn needs_stack(self) -> bool {
+        self.output || self.guide
+    }
+}
+
 /// A number of bytes that the flag would take.
 fn in_words(bytes: f64) -> String {
     let mega = bytes / (1024.0 * 1024.0);
@@ -121,7 +128,7 @@ impl Need {
         let most = most - PROGRAM;
         let pixels = self.size.pixels() as f64;
         let at_once = self.stack + pixels * if then.guide { GUIDED } else { WHOLE };
-        if (then.output || then.guide) && at_once <= most {
+        if then.needs_stack() && at_once <= most {
             return Ok(Plan { free: false, rows: usize::MAX });
         }
         let beside = if then.guide { GUIDED_LATE } else { PREPARING };

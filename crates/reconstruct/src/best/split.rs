@@ -159,14 +159,6 @@ impl SplitPixel {
     }
 }
 
-/// What the buckets of the pixels around one reach.
-struct Surroundings {
-    /// A multiple of a quantile of them all.
-    cap: f32,
-    /// Share of the other pixels' buckets that are above it.
-    rate: f32,
-}
-
 /// The chance that `k` of `n` events occur, each of which does with probability `p`.
 fn binomial(k: usize, n: usize, p: f32) -> f32 {
     let ways: f32 = (0..k).map(|i| (n - i) as f32 / (i + 1) as f32).product();
@@ -190,30 +182,35 @@ impl SplitTask<'_> {
     /// Luminance above which a bucket is cut: a multiple of what the surroundings reach; more where a quarter of the pixel's
     /// own buckets do, as far as that is no chance.
     fn cap(&self, pixel: usize) -> f32 {
+        let mut around = self.surroundings(pixel);
+        let reached = self.settings.factor * quantile(&mut around, self.settings.quantile);
         let mut own: Vec<f32> = self.filled(pixel).map(|bucket| self.luminances[bucket][pixel]).collect();
-        let around = self.surroundings(pixel, &own);
         // Never the largest: a firefly in one of two halves is the upper one.
         let quartile = (own.len() * 3 / 4).min(own.len().saturating_sub(2));
         let quartile = if own.is_empty() { 0.0 } else { *own.select_nth_unstable_by(quartile, f32::total_cmp).1 };
-        let excess = (quartile - around.cap).max(0.0);
-        let detail = if excess > 0.0 { self.is_detail(&own, &around) } else { 0.0 };
-        (around.cap + detail * excess).max(LEAST_CAP)
+        let excess = (quartile - reached).max(0.0);
+        let detail = if excess > 0.0 { self.is_detail(&own, &around, reached) } else { 0.0 };
+        (reached + detail * excess).max(LEAST_CAP)
     }
 
-    /// How likely it is, from 0 to 1, that the bright ones among a pixel's `own` buckets are a detail of the picture, in
-    /// which any number of them is as likely as any other, and did not meet by chance.
-    fn is_detail(&self, own: &[f32], around: &Surroundings) -> f32 {
-        let bright = own.iter().filter(|l| **l > around.cap).count();
+    /// How likely it is, from 0 to 1, that those of a pixel's `own` buckets that are above `reached` are a detail of the
+    /// picture, in which any number of them is as likely as any other, and did not meet by chance, at the rate of the
+    /// other buckets `around`.
+    fn is_detail(&self, own: &[f32], around: &[f32], reached: f32) -> f32 {
+        let above = |values: &[f32]| values.iter().filter(|l| **l > reached).count();
+        let bright = above(own);
+        let (others_bright, others) = (above(around) - bright, around.len() - own.len());
+        let rate = (others_bright as f32 + 0.5) / (others as f32 + 1.0);
         let detail = self.settings.detail / (own.len() + 1) as f32;
-        detail / (detail + binomial(bright, own.len(), around.rate))
+        detail / (detail + binomial(bright, own.len(), rate))
     }
 
     fn filled(&self, pixel: usize) -> impl Iterator<Item = usize> {
         (0..self.buckets.len()).filter(move |bucket| self.luminances[*bucket][pixel] >= 0.0)
     }
 
-    /// What the buckets around a pixel reach whose `own` are given.
-    fn surroundings(&self, pixel: usize, own: &[f32]) -> Surroundings {
+    /// Luminances of all buckets of a pixel and those around it.
+    fn surroundings(&self, pixel: usize) -> Vec<f32> {
         let (x, y, radius) = (pixel % self.size.width, pixel / self.size.width, self.settings.radius);
         let columns = x.saturating_sub(radius)..(x + radius + 1).min(self.size.width);
         let mut values = Vec::with_capacity((2 * radius + 1).pow(2) * self.buckets.len());
@@ -223,10 +220,7 @@ impl SplitTask<'_> {
                 values.extend(luminances[near..][..columns.len()].iter().filter(|l| **l >= 0.0));
             }
         }
-        let cap = self.settings.factor * quantile(&mut values, self.settings.quantile);
-        let above = |values: &[f32]| values.iter().filter(|l| **l > cap).count();
-        let (bright, others) = (above(&values) - above(own), values.len() - own.len());
-        Surroundings { cap, rate: (bright as f32 + 0.5) / (others as f32 + 1.0) }
+        values
     }
 
     /// Share of a bucket's light that stays in the low layer.

@@ -40,10 +40,9 @@ pub fn spread(events: &Events, picture: &Image, features: &GuideFeatures, settin
     let size = picture.size();
     let guides = guides(picture, features, settings);
     let occurrences = Occurrences::new(events, &guides, size, settings.events);
-    let task = SpreadTask { size, guides: &guides, occurrences: &occurrences };
-    let tiles = tiles_of(size, TILE);
+    let task = |tile: &Rectangle| TileTask { size, guides: &guides, occurrences: &occurrences, tile: *tile };
     let parts: Vec<(Rectangle, Vec<Vec<f32>>)> =
-        tiles.par_iter().map(|tile| pulp::Arch::new().dispatch(TileTask { task: &task, tile: *tile })).collect();
+        tiles_of(size, TILE).par_iter().map(|tile| pulp::Arch::new().dispatch(task(tile))).collect();
     let mut spread = Spread { halves: [0, 1].map(|_| Image::zeros(size, 3)), variance: vec![0.0; size.pixels()] };
     for (place, part) in &parts {
         let light = spread.halves.iter_mut().flat_map(|half| half.channels_mut());
@@ -96,14 +95,10 @@ fn guides(picture: &Image, features: &GuideFeatures, settings: &SpreadSettings) 
 /// What is summed at a pixel: light of either half, three channels each, and variance.
 const SUMS: usize = 7;
 
-struct SpreadTask<'a> {
+struct TileTask<'a> {
     size: Size,
     guides: &'a [Vec<f32>],
     occurrences: &'a Occurrences,
-}
-
-struct TileTask<'a> {
-    task: &'a SpreadTask<'a>,
     tile: Rectangle,
 }
 
@@ -113,19 +108,19 @@ impl pulp::NullaryFnOnce for TileTask<'_> {
 
     #[inline(always)]
     fn call(self) -> Self::Output {
-        let place = self.tile.grown(LARGEST_REACH, self.task.size);
+        let place = self.tile.grown(LARGEST_REACH, self.size);
         let mut sums = vec![vec![0.0; place.width() * place.height()]; SUMS];
         let mut weights = Vec::new();
         for y in self.tile.y0..self.tile.y1 {
-            for occurrence in self.task.occurrences.of_row(y, self.tile.x0..self.tile.x1) {
-                self.task.spread_one(occurrence, place, &mut weights, &mut sums);
+            for occurrence in self.occurrences.of_row(y, self.tile.x0..self.tile.x1) {
+                self.spread_one(occurrence, place, &mut weights, &mut sums);
             }
         }
         (place, sums)
     }
 }
 
-impl SpreadTask<'_> {
+impl TileTask<'_> {
     #[inline(always)]
     fn spread_one(&self, event: &Occurrence, place: Rectangle, weights: &mut Vec<f32>, sums: &mut [Vec<f32>]) {
         let sigma = self.occurrences.sigma(event);

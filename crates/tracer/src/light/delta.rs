@@ -158,8 +158,8 @@ impl<'a> DeltaLights<'a> {
         self.fork
     }
 
-    /// Light that may arrive at `from`. One of the lights is chosen by `choice`, in [0, 1), in proportion to what arrives if nothing is
-    /// in the way, for which all are looked at. `None` when nothing does, or only from behind.
+    /// Light that may arrive at `from`. One of the lights is chosen by `choice`, in [0, 1), in proportion to what arrives if
+    /// nothing is in the way, for which all are looked at. `None` when nothing does, or only from behind.
     pub(super) fn sample(&self, from: &Interaction, receiver: Receiver, choice: f64, u: Vec2) -> Option<LightSample> {
         let arrivals = || self.lights.iter().map(|light| light.arrival(from.position, u));
         let weight = |arrival: &Arrival| {
