@@ -15,6 +15,13 @@ use stack::Size;
 /// When `values` or `partial` is shorter than `sums.len() + width − 1`: that is a mistake in the calling code.
 #[inline(always)]
 pub fn window_sums(values: &[f32], width: usize, partial: &mut [f32], sums: &mut [f32]) {
+    // Windows of patches are so narrow that nothing is gained by keeping partial sums.
+    match width {
+        3 => return narrow_sums::<3>(values, sums),
+        5 => return narrow_sums::<5>(values, sums),
+        7 => return narrow_sums::<7>(values, sums),
+        _ => {}
+    }
     let needed = sums.len() + width - 1;
     partial[..needed].copy_from_slice(&values[..needed]);
     sums.fill(0.0);
@@ -33,6 +40,23 @@ pub fn window_sums(values: &[f32], width: usize, partial: &mut [f32], sums: &mut
             partial[i] += partial[i + span];
         }
         span *= 2;
+    }
+}
+
+/// Sums of `W` consecutive values.
+#[inline(always)]
+fn narrow_sums<const W: usize>(values: &[f32], sums: &mut [f32]) {
+    let count = sums.len();
+    let mut shifted = [&values[..count]; W];
+    for (shift, shifted) in shifted.iter_mut().enumerate() {
+        *shifted = &values[shift..][..count];
+    }
+    for i in 0..count {
+        let mut sum = shifted[0][i];
+        for shifted in &shifted[1..] {
+            sum += shifted[i];
+        }
+        sums[i] = sum;
     }
 }
 

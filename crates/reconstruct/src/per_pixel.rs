@@ -18,17 +18,21 @@ pub fn planes<const N: usize>(pixels: usize, values: impl Fn(usize) -> [f32; N] 
     })
 }
 
-/// The same where `values` knows the numbers of eight pixels at once, with the widest instructions there are.
-pub fn planes_by_eight<const N: usize>(
-    pixels: usize,
-    values: impl Fn(Pixels) -> [[f32; LANES]; N] + Sync,
-) -> [Vec<f32>; N] {
+/// What fills `N` planes eight pixels at a time. Not a closure: those are not inlined into code for the widest instructions
+/// there are.
+pub trait ByEight<const N: usize>: Sync {
+    /// The numbers of some pixels; to be marked `#[inline(always)]`.
+    fn numbers(&self, pixels: Pixels) -> [[f32; LANES]; N];
+}
+
+/// The same by `values` of eight pixels at once.
+pub fn planes_by_eight<const N: usize>(pixels: usize, values: &impl ByEight<N>) -> [Vec<f32>; N] {
     filled(pixels, |first, part: &mut [&mut [f32]; N]| {
-        pulp::Arch::new().dispatch(PartTask { first, part, values: &values })
+        pulp::Arch::new().dispatch(PartTask { pixels, first, part, values });
     })
 }
 
-/// Consecutive pixels, eight of them or, at the end of a picture, fewer.
+/// Eight consecutive pixels, or all there are.
 #[derive(Clone, Copy, Debug)]
 pub struct Pixels {
     first: usize,
@@ -39,12 +43,21 @@ impl Pixels {
     /// Their numbers in `plane`; zeros stand for pixels that there are not.
     #[inline(always)]
     pub fn of(self, plane: &[f32]) -> [f32; LANES] {
-        let Self { first, count } = self;
+        // An array of known length, or this becomes a call.
+        if let Some(eight) = plane[self.first..].first_chunk() {
+            return *eight;
+        }
         let mut values = [0.0; LANES];
-        if count == LANES {
-            values.copy_from_slice(&plane[first..first + LANES]);
-        } else {
-            values[..count].copy_from_slice(&plane[first..first + count]);
+        values[..plane.len()].copy_from_slice(plane);
+        values
+    }
+
+    /// What `value` is of each of them; zeros stand for pixels that there are not.
+    #[inline(always)]
+    pub fn map(self, value: impl Fn(usize) -> f32) -> [f32; LANES] {
+        let mut values = [0.0; LANES];
+        for i in 0..self.count {
+            values[i] = value(self.first + i);
         }
         values
     }
@@ -61,23 +74,30 @@ fn filled<const N: usize>(pixels: usize, fill: impl Fn(usize, &mut [&mut [f32]; 
     planes
 }
 
-struct PartTask<'a, 'p, F, const N: usize> {
+struct PartTask<'a, 'p, V, const N: usize> {
+    /// Of the whole picture.
+    pixels: usize,
     first: usize,
     part: &'a mut [&'p mut [f32]; N],
-    values: &'a F,
+    values: &'a V,
 }
 
-impl<F: Fn(Pixels) -> [[f32; LANES]; N], const N: usize> pulp::NullaryFnOnce for PartTask<'_, '_, F, N> {
+impl<V: ByEight<N>, const N: usize> pulp::NullaryFnOnce for PartTask<'_, '_, V, N> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
         let length = self.part.first().map_or(0, |plane| plane.len());
         for at in (0..length).step_by(LANES) {
-            let count = LANES.min(length - at);
-            let values = (self.values)(Pixels { first: self.first + at, count });
-            for (plane, values) in self.part.iter_mut().zip(values) {
-                plane[at..at + count].copy_from_slice(&values[..count]);
+            // At the end of a picture, some pixels once more.
+            let first = (self.first + at).min(self.pixels.saturating_sub(LANES));
+            let pixels = Pixels { first, count: LANES.min(self.pixels) };
+            let (known, values) = (self.first + at - first, self.values.numbers(pixels));
+            for (plane, values) in self.part.iter_mut().zip(&values) {
+                match plane[at..].first_chunk_mut() {
+                    Some(eight) if known == 0 => *eight = *values,
+                    _ => plane[at..].iter_mut().zip(&values[known..]).for_each(|(to, value)| *to = *value),
+                }
             }
         }
     }
@@ -87,13 +107,21 @@ impl<F: Fn(Pixels) -> [[f32; LANES]; N], const N: usize> pulp::NullaryFnOnce for
 mod tests {
     use super::*;
 
+    struct Swapped<'a>([&'a [f32]; 2]);
+
+    impl ByEight<2> for Swapped<'_> {
+        fn numbers(&self, pixels: Pixels) -> [[f32; LANES]; 2] {
+            [pixels.of(self.0[1]), pixels.map(|pixel| self.0[0][pixel])]
+        }
+    }
+
     #[test]
     fn every_pixel_is_filled_once() {
-        for pixels in [0, 1, CHUNK, 2 * CHUNK + 5] {
+        for pixels in [0, 1, 13, CHUNK, 2 * CHUNK + 5] {
             let [a, b] = planes(pixels, |pixel| [pixel as f32, 0.5 - pixel as f32]);
             assert!(a.len() == pixels && b.len() == pixels);
             assert!((0..pixels).all(|pixel| a[pixel] == pixel as f32 && b[pixel] == 0.5 - pixel as f32));
-            let [c, d] = planes_by_eight(pixels, |eight| [eight.of(&b), eight.of(&a)]);
+            let [c, d] = planes_by_eight(pixels, &Swapped([&a, &b]));
             assert!(c == b && d == a);
         }
     }

@@ -39,22 +39,44 @@ pub fn bucket_variance(
     let mut variance = Image::zeros(estimate.mean.size(), estimate.mean.channels().len());
     let counts = counts.grouped(buckets.len());
     for (c, plane) in variance.channels_mut().iter_mut().enumerate() {
-        plane.par_iter_mut().enumerate().for_each(|(pixel, variance)| {
-            let count = |b: &usize| counts.of(pixel, *b) as f32;
-            let held = (0..buckets.len()).filter(|b| count(b) > 0.0);
-            *variance = spread(held.map(|b| (count(&b), map(c, buckets[b].channels()[c][pixel]))));
+        let buckets: Vec<&[f32]> = buckets.iter().map(|bucket| &bucket.channels()[c][..]).collect();
+        plane.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, out)| {
+            spread(&buckets, &counts, chunk * CHUNK, |value| map(c, value), out);
         });
     }
     Some(variance)
 }
 
-/// Variance of the mean of values, each the mean of n samples; NaN for fewer than two.
-fn spread(values: impl Iterator<Item = (f32, f32)> + Clone) -> f32 {
-    let total: f32 = values.clone().map(|(n, _)| n).sum();
-    let mean = values.clone().map(|(n, x)| n * x).sum::<f32>() / total;
-    let squares: f32 = values.clone().map(|(n, x)| n * (x - mean) * (x - mean)).sum();
-    let held = values.count();
-    if held < 2 { f32::NAN } else { squares / ((held - 1) as f32 * total) }
+/// Pixels that one task works on.
+const CHUNK: usize = 1024;
+
+/// Variance of the mean of `buckets` at consecutive pixels from number `first` on; NaN where fewer than two hold samples.
+fn spread(buckets: &[&[f32]], counts: &GroupCounts, first: usize, map: impl Fn(f32) -> f32, out: &mut [f32]) {
+    let length = out.len();
+    let [mut filled, mut total, mut sum] = [(); 3].map(|()| vec![0.0; length]);
+    let mut held = vec![vec![[0.0; 2]; length]; buckets.len()];
+    for (number, (bucket, held)) in buckets.iter().zip(&mut held).enumerate() {
+        for i in 0..length {
+            let n = counts.of(first + i, number) as f32;
+            // What a bucket without samples holds may be anything.
+            let value = if n > 0.0 { map(bucket[first + i]) } else { 0.0 };
+            filled[i] += if n > 0.0 { 1.0 } else { 0.0 };
+            total[i] += n;
+            sum[i] += n * value;
+            held[i] = [n, value];
+        }
+    }
+    out.fill(0.0);
+    for held in &held {
+        for i in 0..length {
+            let [n, value] = held[i];
+            let difference = value - sum[i] / total[i];
+            out[i] += n * (difference * difference);
+        }
+    }
+    for i in 0..length {
+        out[i] = if filled[i] < 2.0 { f32::NAN } else { out[i] / ((filled[i] - 1.0) * total[i]) };
+    }
 }
 
 /// Smooths every channel over (2·`radius` + 1)² windows. Unknown values (NaN) are left out and then taken from their

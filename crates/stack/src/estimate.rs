@@ -83,14 +83,24 @@ const CHUNK: usize = 4096;
 /// Mean of those `buckets` whose `numbers` are given, weighted by their counts; zero where none has a sample.
 fn weighted_mean_of(buckets: &[Image], counts: &SampleCounts, numbers: impl Iterator<Item = usize>) -> Image {
     let numbers: Vec<usize> = numbers.collect();
-    map_planes(buckets, &numbers, counts, |values, n, _| {
-        let (mut sum, mut weight) = (0.0_f32, 0.0_f32);
-        for (value, n) in values.iter().zip(n).filter(|(_, n)| **n > 0.0) {
-            sum += n * value;
-            weight += n;
-        }
-        if weight > 0.0 { sum / weight } else { 0.0 }
-    })
+    let mut image = Image::zeros(buckets[0].size(), buckets[0].channels().len());
+    let counts = counts.grouped(buckets.len());
+    for (c, plane) in image.channels_mut().iter_mut().enumerate() {
+        plane.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, sums)| {
+            let (first, mut weights) = (chunk * CHUNK, vec![0.0; sums.len()]);
+            for number in &numbers {
+                let values = &buckets[*number].channels()[c][first..][..sums.len()];
+                for (i, ((sum, weight), value)) in sums.iter_mut().zip(&mut weights).zip(values).enumerate() {
+                    let n = counts.of(first + i, *number) as f32;
+                    // What a bucket without samples holds may be anything.
+                    *sum += if n > 0.0 { n * value } else { 0.0 };
+                    *weight += n;
+                }
+            }
+            sums.iter_mut().zip(&weights).for_each(|(sum, n)| *sum = if *n > 0.0 { *sum / n } else { 0.0 });
+        });
+    }
+    image
 }
 
 fn weighted_mean(buckets: &[Image], counts: &SampleCounts) -> Image {
@@ -102,37 +112,21 @@ fn group_mean(buckets: &[Image], counts: &SampleCounts, group: usize, groups: us
 }
 
 fn spread_of_buckets(buckets: &[Image], mean: &Image, counts: &SampleCounts) -> Image {
-    let numbers: Vec<usize> = (0..buckets.len()).collect();
-    map_planes(buckets, &numbers, counts, |values, n, (channel, pixel)| {
-        let m = mean.channels()[channel][pixel];
-        let filled = n.iter().filter(|n| **n > 0.0).count();
-        let held = values.iter().zip(n).filter(|(_, n)| **n > 0.0);
-        let spread: f32 = held.map(|(x, n)| n * (x - m).powi(2)).sum();
-        if filled < 2 { f32::NAN } else { spread / ((filled - 1) as f32 * n.iter().sum::<f32>()) }
-    })
-}
-
-/// An image whose every value is `f` of the values there of the buckets with these `numbers`, their sample counts, and
-/// (channel, pixel).
-fn map_planes(
-    buckets: &[Image],
-    numbers: &[usize],
-    counts: &SampleCounts,
-    f: impl Fn(&[f32], &[f32], (usize, usize)) -> f32 + Sync,
-) -> Image {
-    let mut image = Image::zeros(buckets[0].size(), buckets[0].channels().len());
+    let mut image = Image::zeros(mean.size(), mean.channels().len());
     let counts = counts.grouped(buckets.len());
     for (c, plane) in image.channels_mut().iter_mut().enumerate() {
-        plane.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, out)| {
-            let (mut values, mut n) = (vec![0.0; numbers.len()], vec![0.0; numbers.len()]);
-            for (i, out) in out.iter_mut().enumerate() {
-                let pixel = chunk * CHUNK + i;
-                for (i, b) in numbers.iter().enumerate() {
-                    values[i] = buckets[*b].channels()[c][pixel];
-                    n[i] = counts.of(pixel, *b) as f32;
+        plane.par_iter_mut().enumerate().for_each(|(pixel, out)| {
+            let m = mean.channels()[c][pixel];
+            let (mut filled, mut total, mut spread) = (0, 0.0, 0.0);
+            for (number, bucket) in buckets.iter().enumerate() {
+                let n = counts.of(pixel, number) as f32;
+                if n > 0.0 {
+                    filled += 1;
+                    total += n;
+                    spread += n * (bucket.channels()[c][pixel] - m).powi(2);
                 }
-                *out = f(&values, &n, (c, pixel));
             }
+            *out = if filled < 2 { f32::NAN } else { spread / ((filled - 1) as f32 * total) };
         });
     }
     image

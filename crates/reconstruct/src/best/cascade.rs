@@ -5,11 +5,11 @@ mod parting;
 use rayon::prelude::*;
 use stack::{Cancelled, Image, Monitor, SampleCounts};
 
-use super::guided_kernel::GuidedKernel;
+use super::guided_kernel::{GuidedKernel, Taps};
 use super::settings::CascadeSettings;
-use crate::per_pixel;
+use crate::per_pixel::planes_by_eight;
 pub use parting::MOST_PARTS;
-use parting::Parting;
+use parting::{Detail, Parting};
 
 /// How often the significance of a detail is smoothed: at its own scale, and at so many less one of the next.
 const SMOOTHINGS: usize = 3;
@@ -69,14 +69,15 @@ pub fn add_significant_residual(
         if monitor.cancelled() {
             return Err(Cancelled);
         }
-        let (step, last) = (1 << level, level >= settings.levels);
-        let coarse = smoothed(kernel, step, if last { &[] } else { &residual }, &mut pending);
+        let last = level >= settings.levels;
+        let taps = kernel.taps(1 << level);
+        let coarse = smoothed(&taps, if last { &[] } else { &residual }, &mut pending);
         if level + 1 >= SMOOTHINGS && !pending.is_empty() {
             pending.remove(0).add_significant(&mut found);
         }
         if !last {
             let mut detail = Pending::new(&parting, &residual, &coarse);
-            smoothed(kernel, step, &[], std::slice::from_mut(&mut detail));
+            smoothed(&taps, &[], std::slice::from_mut(&mut detail));
             pending.push(detail);
             residual = coarse;
             monitor.advance(1);
@@ -92,10 +93,10 @@ pub fn add_significant_residual(
     Ok(())
 }
 
-/// `residual`, smoothed by `kernel` with taps `step` pixels apart; along with it, in place, what is `pending`.
-fn smoothed(kernel: &GuidedKernel, step: usize, residual: &[Vec<f32>], pending: &mut [Pending]) -> Vec<Vec<f32>> {
+/// `residual`, smoothed; along with it, in place, what is `pending`.
+fn smoothed(taps: &Taps, residual: &[Vec<f32>], pending: &mut [Pending]) -> Vec<Vec<f32>> {
     let planes: Vec<&Vec<f32>> = residual.iter().chain(pending.iter().flat_map(Pending::powers)).collect();
-    let mut smooth = kernel.smooth(&planes, step).into_iter();
+    let mut smooth = taps.smooth(&planes).into_iter();
     let coarse = smooth.by_ref().take(residual.len()).collect();
     pending.iter_mut().flat_map(Pending::powers_mut).zip(smooth).for_each(|(power, smooth)| *power = smooth);
     coarse
@@ -131,8 +132,7 @@ struct Pending {
 impl Pending {
     /// What the residual `fine` has beyond `coarse`.
     fn new(parting: &Parting, fine: &[Vec<f32>], coarse: &[Vec<f32>]) -> Self {
-        let numbers = |pixels| parting.judged(fine, coarse, pixels);
-        let mut planes = per_pixel::planes_by_eight(fine[0].len(), numbers).into_iter();
+        let mut planes = planes_by_eight(fine[0].len(), &Detail { parting, fine, coarse }).into_iter();
         Self {
             mean: planes.by_ref().take(3).collect(),
             square: planes.next().unwrap_or_default(),

@@ -100,11 +100,16 @@ impl<'a> WindowDistances<'a> {
         let whole = scale / (2 * self.guides.comparison.patch_radius + 1) as f32;
         let window = self.guides.window();
         let first = (picture * fits + row.first) * window + number;
+        let (radius, width) = (self.guides.comparison.patch_radius, valid.width());
         for (fit, [x, _]) in row.fits.iter().enumerate() {
-            let Some(x) = x.checked_add_signed(-dx).filter(|x| (valid.x0..valid.x1).contains(x)) else { continue };
-            let columns = self.reach(x, valid.x0..valid.x1).len();
-            let scale = if columns > 2 * self.guides.comparison.patch_radius { whole } else { scale / columns as f32 };
-            self.distances[first + fit * window] = (self.sums[x - valid.x0] * scale).max(0.0);
+            // Far beyond the width where it lies to the left.
+            let column = x.wrapping_add_signed(-dx).wrapping_sub(valid.x0);
+            if column >= width {
+                continue;
+            }
+            let is_whole = column >= radius && column + radius < width;
+            let scale = if is_whole { whole } else { scale / self.reach(column, 0..width).len() as f32 };
+            self.distances[first + fit * window] = (self.sums[column] * scale).max(0.0);
         }
     }
 
@@ -112,7 +117,7 @@ impl<'a> WindowDistances<'a> {
     #[inline(always)]
     fn sum_rows(&mut self, rows: Range<usize>, width: usize, picture: usize, direction: usize) {
         let radius = self.guides.comparison.patch_radius;
-        let (image, pitch) = (&self.pairs.images[picture][direction], self.pairs.pitch);
+        let (image, pitch) = (self.pairs.image(picture, direction), self.pairs.pitch);
         self.columns.clear();
         self.columns.resize(width + 2 * radius, 0.0);
         let columns = &mut self.columns[radius..radius + width];

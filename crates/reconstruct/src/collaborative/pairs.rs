@@ -13,14 +13,23 @@ use crate::rectangle::Rectangle;
 pub struct PairImages {
     /// Values from one row to the next.
     pub pitch: usize,
-    /// One image per direction, for each picture: from a pixel to the one the offset away, and back.
-    pub images: Vec<[Vec<f32>; 2]>,
+    /// One image per direction, for each picture: from a pixel to the one the offset away, and back. Only the first where
+    /// both are the same.
+    images: Vec<[Vec<f32>; 2]>,
+    both_ways: bool,
 }
 
 impl PairImages {
     /// For `guides`.
     pub fn new(guides: &Guides) -> Self {
-        Self { pitch: 0, images: guides.values.iter().map(|_| Default::default()).collect() }
+        let images = guides.values.iter().map(|_| Default::default()).collect();
+        Self { pitch: 0, images, both_ways: is_one_sided(guides) }
+    }
+
+    /// Distances of `picture` in `direction` (0 or 1).
+    #[inline(always)]
+    pub fn image(&self, picture: usize, direction: usize) -> &[f32] {
+        &self.images[picture][if self.both_ways { direction } else { 0 }]
     }
 
     /// Compares the pixels of `valid` in those of its rows that are `needed`, with those `offset` away. `region` holds
@@ -36,7 +45,8 @@ impl PairImages {
         needed: impl Fn(usize) -> bool,
     ) {
         self.pitch = valid.width().next_multiple_of(LANES);
-        for image in self.images.iter_mut().flatten() {
+        let directions = if self.both_ways { 2 } else { 1 };
+        for image in self.images.iter_mut().flat_map(|images| &mut images[..directions]) {
             image.resize(self.pitch * valid.height(), 0.0);
         }
         let step = offset[0] + offset[1] * region.width() as isize;
@@ -44,16 +54,22 @@ impl PairImages {
             let at = (y - valid.y0) * self.pitch;
             let pair = PairRow { guides, region, x: valid.x0, y, step };
             match &mut self.images[..] {
-                [one] => pair
-                    .compare(simd, [one].map(|images| images.each_mut().map(|image| &mut image[at..][..self.pitch]))),
-                [one, two, ..] => pair.compare(
-                    simd,
-                    [one, two].map(|images| images.each_mut().map(|image| &mut image[at..][..self.pitch])),
-                ),
+                [one] => pair.compare(simd, [one].map(|images| rows(images, at, self.pitch))),
+                [one, two, ..] => pair.compare(simd, [one, two].map(|images| rows(images, at, self.pitch))),
                 [] => {}
             }
         }
     }
+}
+
+/// Whether a distance depends on the direction: noise that is taken off is that of one end.
+fn is_one_sided(guides: &Guides) -> bool {
+    guides.comparison.noise_taken_off != 0.0
+}
+
+/// A row of both images; nothing of one that is not there.
+fn rows(images: &mut [Vec<f32>; 2], at: usize, pitch: usize) -> [&mut [f32]; 2] {
+    images.each_mut().map(|image| image.get_mut(at..at + pitch).unwrap_or_default())
 }
 
 /// One row of pairs.
@@ -98,6 +114,7 @@ impl PairRow<'_> {
         let one = Eight::splat(simd, 1.0);
         let epsilon = Eight::splat(simd, self.guides.comparison.epsilon);
         let less_noise = Eight::splat(simd, -self.guides.comparison.noise_taken_off);
+        let one_sided = is_one_sided(self.guides);
         for at in (0..count).step_by(LANES) {
             let mut noise = [Eight::splat(simd, 0.0); 2];
             let mut squares = [Eight::splat(simd, 0.0); PICTURES];
@@ -105,9 +122,11 @@ impl PairRow<'_> {
                 let here = Eight::load(simd, &variances[c][0][at..]);
                 let there = Eight::load(simd, &variances[c][1][at..]);
                 let scale = one.div(simd, epsilon.add(simd, here).add(simd, there));
-                let least = here.min(simd, there);
-                noise[0] = here.add(simd, least).mul_add(simd, scale, noise[0]);
-                noise[1] = there.add(simd, least).mul_add(simd, scale, noise[1]);
+                if one_sided {
+                    let least = here.min(simd, there);
+                    noise[0] = here.add(simd, least).mul_add(simd, scale, noise[0]);
+                    noise[1] = there.add(simd, least).mul_add(simd, scale, noise[1]);
+                }
                 for (square, values) in squares.iter_mut().zip(&values) {
                     let here = Eight::load(simd, &values[c][0][at..]);
                     let difference = here.sub(simd, Eight::load(simd, &values[c][1][at..]));
@@ -115,7 +134,7 @@ impl PairRow<'_> {
                 }
             }
             for (square, out) in squares.iter().zip(out.iter_mut()) {
-                for (noise, out) in noise.iter().zip(out) {
+                for (noise, out) in noise.iter().zip(out).take(if one_sided { 2 } else { 1 }) {
                     let to = &mut out[at..at + LANES];
                     let distance = noise.mul_add(simd, less_noise, *square);
                     let before = if add { Eight::load(simd, to) } else { Eight::splat(simd, 0.0) };

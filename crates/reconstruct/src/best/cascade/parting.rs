@@ -4,7 +4,7 @@ use stack::Image;
 
 use crate::best::settings::CascadeSettings;
 use crate::eight::LANES;
-use crate::per_pixel::Pixels;
+use crate::per_pixel::{ByEight, Pixels};
 
 /// Most parts that a picture comes in.
 pub const MOST_PARTS: usize = 8;
@@ -40,19 +40,21 @@ impl Parting {
         if self.shares.len() > 2 { self.shares.len() } else { 1 }
     }
 
-    /// Of the detail `fine` − `coarse`, three planes for each part: its mean in three channels, its relative square, and
-    /// its signals.
+    /// What is told of a [`Detail`] at some pixels.
     #[inline(always)]
-    pub fn judged(&self, fine: &[Vec<f32>], coarse: &[Vec<f32>], pixels: Pixels) -> [Lanes; 4 + MOST_PARTS] {
+    fn judged(&self, fine: &[Vec<f32>], coarse: &[Vec<f32>], pixels: Pixels) -> [Lanes; 4 + MOST_PARTS] {
         let mut numbers = [[0.0; LANES]; 4 + MOST_PARTS];
         let mut shares = [[0.0; LANES]; MOST_PARTS];
         shares.iter_mut().zip(&self.shares).for_each(|(share, plane)| *share = pixels.of(plane));
-        let filled = shares.map(|share| share.map(|share| if share > 0.0 { 1.0 } else { 0.0 }));
+        let mut filled = [[0.0; LANES]; MOST_PARTS];
+        for (filled, share) in filled.iter_mut().zip(&shares) {
+            (0..LANES).for_each(|i| filled[i] = if share[i] > 0.0 { 1.0 } else { 0.0 });
+        }
         let (share, filled) = (self.sums(&shares), self.sums(&filled));
         for c in 0..3 {
             let (mut firsts, mut seconds) = ([[0.0; LANES]; MOST_PARTS], [[0.0; LANES]; MOST_PARTS]);
             for part in 0..self.shares.len() {
-                let [fine, coarse] = [fine, coarse].map(|planes| pixels.of(&planes[3 * part + c]));
+                let (fine, coarse) = (pixels.of(&fine[3 * part + c]), pixels.of(&coarse[3 * part + c]));
                 for i in 0..LANES {
                     let value = fine[i] - coarse[i];
                     firsts[part][i] = shares[part][i] * value;
@@ -90,6 +92,21 @@ impl Parting {
     #[inline(always)]
     fn sums(&self, parts: &OfParts) -> OfParts {
         if self.signals() == 1 { [sum(parts); MOST_PARTS] } else { sums_of_others(parts) }
+    }
+}
+
+/// The detail `fine` − `coarse`, three planes for each part: its mean in three channels, its relative square, and its
+/// signals.
+pub struct Detail<'a> {
+    pub parting: &'a Parting,
+    pub fine: &'a [Vec<f32>],
+    pub coarse: &'a [Vec<f32>],
+}
+
+impl ByEight<{ 4 + MOST_PARTS }> for Detail<'_> {
+    #[inline(always)]
+    fn numbers(&self, pixels: Pixels) -> [Lanes; 4 + MOST_PARTS] {
+        self.parting.judged(self.fine, self.coarse, pixels)
     }
 }
 

@@ -1,11 +1,11 @@
 //! What the halves say about each candidate's error, smoothed on several scales.
 
-use rayon::prelude::*;
 use stack::Image;
 
 use super::Contest;
 use crate::best::settings::ChoiceSettings;
-use crate::best::split::Layers;
+use crate::eight::LANES;
+use crate::per_pixel::{ByEight, Pixels, planes_by_eight};
 
 /// Candidates there are to choose from.
 pub const CANDIDATES: usize = 6;
@@ -38,7 +38,7 @@ pub struct Evidence {
 }
 
 /// Evidence on one scale. All of it is squared and relative: what (luminance² + 0.01) and the noise leave of it, see
-/// [`precisions`].
+/// `Raw::precisions`.
 pub struct Level {
     planes: Vec<Vec<f32>>,
 }
@@ -73,16 +73,14 @@ impl Level {
 impl Evidence {
     /// Gathers it.
     pub fn new(contest: &Contest, settings: &ChoiceSettings, scales: Scales) -> Self {
-        let precision = precisions(contest.candidates, contest.layers, settings);
-        let mut planes = vec![noise(contest.layers, &precision)];
-        planes.extend(contest.candidates.iter().map(|halves| cross_errors(halves, contest.layers, &precision)));
-        let mut dilations = &DILATIONS[..=LEVEL_OF_RULE];
-        if scales == Scales::All {
-            dilations = &DILATIONS;
-            planes.extend(contest.candidates.iter().map(|halves| spreads(halves, &precision)));
-            let middle = MIDDLE.map(|k| &contest.candidates[k]);
-            planes.extend(contest.candidates.iter().map(|halves| distances(halves, middle, &precision)));
-        }
+        let raw = Raw { contest, precision: settings.precision };
+        let pixels = contest.pilot.pixels();
+        let (mut planes, dilations) = match scales {
+            Scales::OfTheRule => {
+                (Vec::from(planes_by_eight::<OF_THE_RULE>(pixels, &raw)), &DILATIONS[..=LEVEL_OF_RULE])
+            }
+            Scales::All => (Vec::from(planes_by_eight::<ALL>(pixels, &raw)), &DILATIONS[..]),
+        };
         let kernel = contest.kernel(settings);
         let mut levels: Vec<Level> = Vec::with_capacity(dilations.len());
         for dilation in dilations {
@@ -104,47 +102,94 @@ impl Evidence {
     }
 }
 
-/// `value` of every pixel.
-fn plane(precision: &[f32], value: impl Fn(usize) -> f32 + Sync) -> Vec<f32> {
-    precision.par_iter().enumerate().map(|(pixel, precision)| precision * value(pixel)).collect()
+/// Planes of evidence: V, E and, on all scales, D and R of every candidate.
+const OF_THE_RULE: usize = 1 + CANDIDATES;
+const ALL: usize = 1 + 3 * CANDIDATES;
+
+/// A number of each of eight pixels.
+type Lanes = [f32; LANES];
+
+/// Evidence that is not smoothed yet.
+struct Raw<'a> {
+    contest: &'a Contest<'a>,
+    /// Weight of noise against error.
+    precision: f32,
 }
 
-/// What a squared error counts at each pixel: n/(1 + 3 n v), n = 1/(luminance² + 0.01) with the mean luminance of all
-/// candidates, v the variance of a half.
-fn precisions(candidates: &[[Image; 2]], layers: &Layers, settings: &ChoiceSettings) -> Vec<f32> {
-    let images: Vec<&Image> = candidates.iter().flatten().collect();
-    let precision = |pixel: usize| {
-        let luminance = images.iter().map(|image| image.mean_at(pixel)).sum::<f32>() / images.len() as f32;
-        let relative = 1.0 / (luminance * luminance + 1e-2);
-        relative / (1.0 + settings.precision * relative * layers.variance.mean_at(pixel))
-    };
-    (0..layers.variance.pixels()).into_par_iter().map(precision).collect()
+impl Raw<'_> {
+    /// What a squared error counts: n/(1 + 3 n v), n = 1/(luminance² + 0.01) with the mean luminance of all candidates,
+    /// v the variance of a half.
+    #[inline(always)]
+    fn precisions(&self, variance: &Lanes, pixels: Pixels) -> Lanes {
+        let images = self.contest.candidates.iter().flatten();
+        let (mut sum, mut count) = ([0.0; LANES], 0.0);
+        for plane in images.flat_map(Image::channels) {
+            let values = pixels.of(plane);
+            (0..LANES).for_each(|i| sum[i] += values[i]);
+            count += 1.0;
+        }
+        let mut precisions = [0.0; LANES];
+        for i in 0..LANES {
+            let luminance = sum[i] / count;
+            let relative = 1.0 / (luminance * luminance + 1e-2);
+            precisions[i] = relative / (1.0 + self.precision * relative * variance[i]);
+        }
+        precisions
+    }
+
+    /// V, E and, where there is room, D and R, before they are weighed.
+    #[inline(always)]
+    fn unweighed<const N: usize>(&self, variance: &Lanes, pixels: Pixels) -> [Lanes; N] {
+        let Contest { candidates, layers, .. } = self.contest;
+        let mut numbers = [[0.0; LANES]; N];
+        numbers[0] = variance.map(|v| 6.0 * v);
+        for c in 0..3 {
+            let [noisy_a, noisy_b] = channel(&layers.halves, c, pixels);
+            let v = pixels.of(&layers.variance.channels()[c]);
+            let mut centre = [0.0; LANES];
+            for k in MIDDLE {
+                let [a, b] = channel(&candidates[k], c, pixels);
+                (0..LANES).for_each(|i| centre[i] += 0.25 * (a[i] + b[i]));
+            }
+            for (k, candidate) in candidates.iter().enumerate() {
+                let [a, b] = channel(candidate, c, pixels);
+                for i in 0..LANES {
+                    let (of_a, of_b) = (a[i] - noisy_b[i], b[i] - noisy_a[i]);
+                    numbers[1 + k][i] += of_a * of_a + of_b * of_b - 2.0 * v[i];
+                }
+                if N == ALL {
+                    for i in 0..LANES {
+                        let spread = a[i] - b[i];
+                        numbers[1 + CANDIDATES + k][i] += spread * spread;
+                        let distance = 0.5 * (a[i] + b[i]) - centre[i];
+                        numbers[1 + 2 * CANDIDATES + k][i] += 2.0 * (distance * distance);
+                    }
+                }
+            }
+        }
+        numbers
+    }
 }
 
-fn noise(layers: &Layers, precision: &[f32]) -> Vec<f32> {
-    plane(precision, |pixel| 6.0 * layers.variance.mean_at(pixel))
+/// Channel `c` of both halves.
+#[inline(always)]
+fn channel([a, b]: &[Image; 2], c: usize, pixels: Pixels) -> [Lanes; 2] {
+    [pixels.of(&a.channels()[c]), pixels.of(&b.channels()[c])]
 }
 
-fn cross_errors(halves: &[Image; 2], layers: &Layers, precision: &[f32]) -> Vec<f32> {
-    plane(precision, |pixel| layers.cross_error(halves, pixel))
-}
-
-fn spreads([a, b]: &[Image; 2], precision: &[f32]) -> Vec<f32> {
-    plane(precision, |pixel| squared_distance(a.rgb(pixel), b.rgb(pixel)))
-}
-
-fn distances([a, b]: &[Image; 2], middle: [&[Image; 2]; 2], precision: &[f32]) -> Vec<f32> {
-    plane(precision, |pixel| {
-        let centre = sum(middle.map(|[a, b]| sum([a.rgb(pixel), b.rgb(pixel)])));
-        let own = sum([a.rgb(pixel), b.rgb(pixel)]);
-        2.0 * squared_distance(own.map(|v| 0.5 * v), centre.map(|v| 0.25 * v))
-    })
-}
-
-fn sum([a, b]: [[f32; 3]; 2]) -> [f32; 3] {
-    std::array::from_fn(|c| a[c] + b[c])
-}
-
-fn squared_distance(a: [f32; 3], b: [f32; 3]) -> f32 {
-    (0..3).map(|c| (a[c] - b[c]).powi(2)).sum()
+impl<const N: usize> ByEight<N> for Raw<'_> {
+    #[inline(always)]
+    fn numbers(&self, pixels: Pixels) -> [Lanes; N] {
+        let mut variance = [0.0; LANES];
+        for plane in self.contest.layers.variance.channels() {
+            let values = pixels.of(plane);
+            (0..LANES).for_each(|i| variance[i] += values[i] / 3.0);
+        }
+        let precisions = self.precisions(&variance, pixels);
+        let mut numbers = self.unweighed::<N>(&variance, pixels);
+        for numbers in &mut numbers {
+            (0..LANES).for_each(|i| numbers[i] *= precisions[i]);
+        }
+        numbers
+    }
 }

@@ -3,16 +3,11 @@
 use std::ops::Range;
 
 use pulp::Simd;
-use stack::Size;
 
+use super::taps::{TAPS, Taps};
 use crate::eight::{Eight, LANES};
-use crate::exp::exp_of_negative;
 
-/// The B₃ spline.
-const SPLINE: [f32; 5] = [0.0625, 0.25, 0.375, 0.25, 0.0625];
-const TAPS: usize = SPLINE.len() * SPLINE.len();
-
-/// Most pixels of a piece: all its weights stay in the innermost cache.
+/// Most pixels of a piece: what it reads stays in the innermost cache.
 pub const PIXELS: usize = 128;
 /// Planes that are smoothed together, and pixels (times eight): as many sums as the processor has registers for.
 pub const PLANES: usize = 3;
@@ -20,52 +15,30 @@ const BATCHES: usize = 4;
 
 /// Consecutive pixels of a row that have the same taps.
 pub struct Piece<'a> {
-    size: Size,
-    guides: &'a [Vec<f32>],
-    /// Pixels from tap to tap.
-    step: usize,
     /// Where each tap of the first pixel lies in a plane.
     taps: [usize; TAPS],
+    /// What each weighs.
+    weights: [&'a [f32]; TAPS],
     count: usize,
-    weights: [[f32; PIXELS]; TAPS],
     /// One over the sum of a pixel's weights.
     scale: [f32; PIXELS],
 }
 
 impl<'a> Piece<'a> {
-    /// Room for one in a picture of `size`, whose pixels the `guides` separate, with taps `step` pixels apart.
-    pub fn new(size: Size, guides: &'a [Vec<f32>], step: usize) -> Self {
-        let (weights, scale) = ([[0.0; PIXELS]; TAPS], [0.0; PIXELS]);
-        Self { size, guides, step, taps: [0; TAPS], count: 0, weights, scale }
-    }
-
-    /// Weighs the taps of the `pixels` of row `y`. All of the pixels must have the same ones.
+    /// Some `pixels` of row `y`.
     #[inline(always)]
-    pub fn weigh<S: Simd>(&mut self, simd: S, y: usize, pixels: Range<usize>) {
-        let Self { size, guides, step, .. } = *self;
-        let here = size.index(pixels.start, y);
-        let tap = |place: usize, number: usize| (place + number * step).checked_sub(SPLINE.len() / 2 * step);
-        (self.count, self.scale) = (0, [0.0; PIXELS]);
-        for (j, across) in SPLINE.iter().enumerate() {
-            let Some(row) = tap(y, j).filter(|row| *row < size.height) else { continue };
-            for (i, along) in SPLINE.iter().enumerate() {
-                let Some(column) = tap(pixels.start, i).filter(|column| *column < size.width) else { continue };
-                let (there, weights) = (size.index(column, row), &mut self.weights[self.count]);
-                for at in whole_batches(pixels.len()) {
-                    squares::<S, BATCHES>(simd, guides, here + at, there + at, &mut weights[at..]);
-                }
-                for at in rest(pixels.len()) {
-                    squares::<S, 1>(simd, guides, here + at, there + at, &mut weights[at..]);
-                }
-                for (weight, sum) in weights.iter_mut().zip(&mut self.scale) {
-                    *weight = across * along * exp_of_negative(-*weight);
-                    *sum += *weight;
-                }
-                self.taps[self.count] = there;
-                self.count += 1;
-            }
+    pub fn new(taps: &'a Taps, y: usize, pixels: Range<usize>) -> Self {
+        let mut piece = Self { taps: [0; TAPS], weights: [&[]; TAPS], count: 0, scale: [0.0; PIXELS] };
+        let here = taps.size.index(pixels.start, y);
+        for number in 0..TAPS {
+            let Some(there) = taps.place(number, pixels.start, y) else { continue };
+            let weights = taps.weights(number, here, there, pixels.len());
+            piece.scale.iter_mut().zip(weights).for_each(|(sum, weight)| *sum += weight);
+            (piece.taps[piece.count], piece.weights[piece.count]) = (there, weights);
+            piece.count += 1;
         }
-        self.scale.iter_mut().for_each(|scale| *scale = 1.0 / *scale);
+        piece.scale[..pixels.len()].iter_mut().for_each(|scale| *scale = 1.0 / *scale);
+        piece
     }
 
     /// Smooths these pixels of some `planes` into the rows `out`.
@@ -90,10 +63,11 @@ impl<'a> Piece<'a> {
     ) {
         let mut sums = [[Eight::splat(simd, 0.0); B]; P];
         for (tap, weights) in self.taps[..self.count].iter().zip(&self.weights) {
+            let weights = from::<B>(weights, at);
             for p in 0..P {
                 let values = from::<B>(planes[p], tap + at);
                 for b in 0..B {
-                    let weight = Eight::load(simd, &weights[at + b * LANES..]);
+                    let weight = Eight::load_some(simd, &weights[b * LANES..]);
                     sums[p][b] = weight.mul_add(simd, Eight::load_some(simd, &values[b * LANES..]), sums[p][b]);
                 }
             }
@@ -123,21 +97,4 @@ fn rest(count: usize) -> impl Iterator<Item = usize> {
 #[inline(always)]
 fn from<const B: usize>(plane: &[f32], start: usize) -> &[f32] {
     if B > 1 { &plane[start..start + B * LANES] } else { &plane[start..] }
-}
-
-/// Σ Δ² between `B` times eight pixels from number `here` on and those from `there` on.
-#[inline(always)]
-fn squares<S: Simd, const B: usize>(simd: S, guides: &[Vec<f32>], here: usize, there: usize, squares: &mut [f32]) {
-    let mut sums = [Eight::splat(simd, 0.0); B];
-    for guide in guides {
-        let (p, q) = (from::<B>(guide, here), from::<B>(guide, there));
-        for b in 0..B {
-            let here = Eight::load_some(simd, &p[b * LANES..]);
-            let difference = here.sub(simd, Eight::load_some(simd, &q[b * LANES..]));
-            sums[b] = difference.mul_add(simd, difference, sums[b]);
-        }
-    }
-    for b in 0..B {
-        sums[b].store(&mut squares[b * LANES..]);
-    }
 }

@@ -1,0 +1,198 @@
+//! What the taps of all pixels weigh.
+
+use std::ops::Range;
+
+use pulp::{Simd, WithSimd};
+use rayon::prelude::*;
+use stack::Size;
+
+use super::piece::{PIXELS, PLANES, Piece};
+use crate::eight::{Eight, LANES};
+use crate::exp::exp_of_negative;
+
+/// The B₃ spline.
+const SPLINE: [f32; 5] = [0.0625, 0.25, 0.375, 0.25, 0.0625];
+/// Taps along a side and in all.
+pub const SIDE: usize = SPLINE.len();
+pub const TAPS: usize = SIDE * SIDE;
+/// The tap in the middle; half of the others lie behind it in the order of rows.
+const MIDDLE: usize = TAPS / 2;
+
+/// Pixels (times eight) whose taps are weighed together.
+const BATCHES: usize = 4;
+
+/// A kernel with gaps. Two pixels weigh the same for each other, so only the taps behind a pixel are kept.
+pub struct Taps {
+    pub size: Size,
+    /// Pixels from tap to tap.
+    pub step: usize,
+    /// A plane for each tap behind the middle; zero where it lies outside the picture.
+    weights: Vec<Vec<f32>>,
+}
+
+impl Taps {
+    /// Taps `step` pixels apart in a picture of `size` whose pixels the `guides` separate.
+    pub fn weighed(size: Size, guides: &[Vec<f32>], step: usize) -> Self {
+        let mut weights = vec![vec![0.0; size.pixels()]; MIDDLE];
+        for_each_row(&mut weights, size.width, |y, weights| {
+            pulp::Arch::new().dispatch(WeightTask { size, guides, step, y, weights });
+        });
+        Self { size, step, weights }
+    }
+
+    /// Smooths `planes`.
+    pub fn smooth(&self, planes: &[impl AsRef<[f32]>]) -> Vec<Vec<f32>> {
+        let planes: Vec<&[f32]> = planes.iter().map(AsRef::as_ref).collect();
+        let mut smooth = vec![vec![0.0; self.size.pixels()]; planes.len()];
+        for_each_row(&mut smooth, self.size.width, |y, smooth| {
+            pulp::Arch::new().dispatch(RowTask { taps: self, planes: &planes, y, smooth });
+        });
+        smooth
+    }
+
+    /// Where tap `number` of the pixel in column `x`, row `y` lies, if it does in the picture.
+    #[inline(always)]
+    pub fn place(&self, number: usize, x: usize, y: usize) -> Option<usize> {
+        let tap = |from: usize, number: usize| (from + number * self.step).checked_sub(SIDE / 2 * self.step);
+        let row = tap(y, number / SIDE).filter(|row| *row < self.size.height)?;
+        let column = tap(x, number % SIDE).filter(|column| *column < self.size.width)?;
+        Some(self.size.index(column, row))
+    }
+
+    /// Weights of tap `number`, which lies at `there`, of `count` pixels from `here` on.
+    #[inline(always)]
+    pub fn weights(&self, number: usize, here: usize, there: usize, count: usize) -> &[f32] {
+        match number.checked_sub(MIDDLE + 1) {
+            Some(behind) => &self.weights[behind][here..][..count],
+            None if number == MIDDLE => &OF_MIDDLE[..count],
+            None => &self.weights[MIDDLE - 1 - number][there..][..count],
+        }
+    }
+}
+
+/// What pixels weigh for themselves.
+const OF_MIDDLE: &[f32; PIXELS] = &[SPLINE[SIDE / 2] * SPLINE[SIDE / 2]; PIXELS];
+
+/// Works on all `planes` row by row, on all threads.
+fn for_each_row(planes: &mut [Vec<f32>], width: usize, work: impl Fn(usize, Vec<&mut [f32]>) + Sync) {
+    if width == 0 {
+        return;
+    }
+    let height = planes.first().map_or(0, |plane| plane.len() / width);
+    let mut rows: Vec<_> = planes.iter_mut().map(|plane| plane.chunks_exact_mut(width)).collect();
+    let rows: Vec<Vec<&mut [f32]>> =
+        (0..height).map(|_| rows.iter_mut().filter_map(Iterator::next).collect()).collect();
+    rows.into_par_iter().enumerate().for_each(|(y, rows)| work(y, rows));
+}
+
+/// Weights of one row.
+struct WeightTask<'a> {
+    size: Size,
+    guides: &'a [Vec<f32>],
+    step: usize,
+    y: usize,
+    /// The row, once for each tap behind the middle.
+    weights: Vec<&'a mut [f32]>,
+}
+
+impl WithSimd for WeightTask<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { size, guides, step, y, mut weights } = self;
+        for first in (0..size.width).step_by(PIXELS) {
+            let all = first..(first + PIXELS).min(size.width);
+            for (behind, weights) in weights.iter_mut().enumerate() {
+                let [across, down] = [(MIDDLE + 1 + behind) % SIDE, (MIDDLE + 1 + behind) / SIDE];
+                let row = y + (down - SIDE / 2) * step;
+                // Pixels whose tap lies in the picture.
+                let (left, right) = ((SIDE / 2).saturating_sub(across) * step, across.saturating_sub(SIDE / 2) * step);
+                let inside = all.start.max(left)..all.end.min(size.width.saturating_sub(right));
+                if row >= size.height || inside.is_empty() {
+                    continue;
+                }
+                let here = size.index(inside.start, y);
+                let there = size.index(inside.start + right - left, row);
+                let weights = &mut weights[inside];
+                squares(simd, guides, here, there, weights);
+                let spline = SPLINE[down] * SPLINE[across];
+                weights.iter_mut().for_each(|weight| *weight = spline * exp_of_negative(-*weight));
+            }
+        }
+    }
+}
+
+/// Σ Δ² between consecutive pixels from number `here` on and those from `there` on.
+#[inline(always)]
+fn squares<S: Simd>(simd: S, guides: &[Vec<f32>], here: usize, there: usize, out: &mut [f32]) {
+    let mut at = 0;
+    while at + BATCHES * LANES <= out.len() {
+        squares_of::<S, BATCHES>(simd, guides, here + at, there + at, &mut out[at..][..BATCHES * LANES]);
+        at += BATCHES * LANES;
+    }
+    for at in (at..out.len()).step_by(LANES) {
+        let count = LANES.min(out.len() - at);
+        squares_of::<S, 1>(simd, guides, here + at, there + at, &mut out[at..][..count]);
+    }
+}
+
+/// The same of `B` times eight pixels, or fewer if `B` is one.
+#[inline(always)]
+fn squares_of<S: Simd, const B: usize>(simd: S, guides: &[Vec<f32>], here: usize, there: usize, out: &mut [f32]) {
+    let (count, mut sums) = (out.len(), [Eight::splat(simd, 0.0); B]);
+    for guide in guides {
+        let (p, q) = (&guide[here..][..count], &guide[there..][..count]);
+        for b in 0..B {
+            let here = Eight::load_some(simd, &p[b * LANES..]);
+            let difference = here.sub(simd, Eight::load_some(simd, &q[b * LANES..]));
+            sums[b] = difference.mul_add(simd, difference, sums[b]);
+        }
+    }
+    for b in 0..B {
+        sums[b].store_some(&mut out[b * LANES..]);
+    }
+}
+
+/// One row of a picture.
+struct RowTask<'a> {
+    taps: &'a Taps,
+    planes: &'a [&'a [f32]],
+    y: usize,
+    /// The smooth row, one for each plane.
+    smooth: Vec<&'a mut [f32]>,
+}
+
+impl WithSimd for RowTask<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { taps, planes, y, mut smooth } = self;
+        for pixels in pieces(taps.size.width, taps.step) {
+            let piece = Piece::new(taps, y, pixels.clone());
+            for (planes, smooth) in planes.chunks(PLANES).zip(smooth.chunks_mut(PLANES)) {
+                match (planes, smooth) {
+                    ([a], [x]) => piece.smooth(simd, [a], [&mut x[pixels.clone()]]),
+                    ([a, b], [x, y]) => piece.smooth(simd, [a, b], [x, y].map(|row| &mut row[pixels.clone()])),
+                    ([a, b, c], [x, y, z]) => {
+                        piece.smooth(simd, [a, b, c], [x, y, z].map(|row| &mut row[pixels.clone()]));
+                    }
+                    _ => {}
+                }
+            }
+        }
+    }
+}
+
+/// Pieces of a row whose pixels have the same taps in it, none longer than [`PIXELS`].
+fn pieces(width: usize, step: usize) -> impl Iterator<Item = Range<usize>> {
+    let from_right = |taps: usize| width.saturating_sub(taps * step);
+    let mut ends = [step, 2 * step, from_right(2), from_right(1), width].map(|end| end.min(width));
+    ends.sort_unstable();
+    let mut start = 0;
+    ends.into_iter().flat_map(move |end| {
+        let all = std::mem::replace(&mut start, end)..end;
+        all.step_by(PIXELS).map(move |first| first..(first + PIXELS).min(end))
+    })
+}
