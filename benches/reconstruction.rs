@@ -16,17 +16,15 @@ use reconstruct::spikes::{SpikeFree, SpikeSettings, remove_spikes};
 use reconstruct::variance::known_everywhere;
 use reconstruct::{Fit, MethodSettings, Settings, reconstruct};
 use stack::{ComponentRole, FeatureStack, Image, Silent, Size};
-use support::random::Random;
 use support::step_times::StepTimes;
 use support::study::Study;
+use support::yardsticks;
 
 const SIZE: Size = Size::new(128, 128);
 /// One sample for each of the eight buckets.
 const SPP: u32 = 8;
 /// Windows of 11×11 pixels, as between rounds of samples, and of 23×23, as for the final picture.
 const RADII: [usize; 2] = [5, 11];
-/// How often the dot product goes through its slices, so that adding up its sums in the end does not count.
-const PASSES: usize = 16;
 
 /// The stack and what each stage hands to the next.
 struct Stages {
@@ -129,7 +127,7 @@ fn print_steps(stages: &Stages) {
     println!();
 }
 
-/// What one thread of this machine can do at all: a copy of all the regression reads, from memory to memory, and
+/// What one thread can do at all: a copy of all the regression reads, from memory to memory, and
 /// multiply-adds on what the innermost cache holds.
 fn yardsticks(criterion: &mut Criterion, planes: usize) {
     let mut group = support::brief_group(criterion, "yardsticks");
@@ -140,28 +138,12 @@ fn yardsticks(criterion: &mut Criterion, planes: usize) {
     group.bench_function("copy of all planes, per pixel", |bencher| {
         bencher.iter(|| black_box(&mut to).copy_from_slice(black_box(&from)));
     });
-    let mut random = Random(3);
-    let [a, b] = [(); 2].map(|()| (0..2048).map(|_| random.unit()).collect::<Vec<_>>());
-    let processor = pulp::Arch::new();
-    group.throughput(Throughput::Elements((PASSES * a.len()) as u64));
+    let [a, b] = yardsticks::factors();
+    group.throughput(Throughput::Elements((yardsticks::PASSES * yardsticks::NUMBERS) as u64));
     group.bench_function("dot product, per multiply-add", |bencher| {
-        bencher.iter(|| processor.dispatch(|| dot(black_box(&a), black_box(&b))));
+        bencher.iter(|| yardsticks::dot(black_box(&a), black_box(&b)));
     });
     group.finish();
-}
-
-/// Scalar product of two slices, times [`PASSES`]. Thirty-two sums side by side keep the processor's units busy.
-#[inline(always)]
-fn dot(a: &[f32], b: &[f32]) -> f32 {
-    let mut sums = [0.0; 32];
-    for _ in 0..PASSES {
-        for (a, b) in a.chunks_exact(32).zip(b.chunks_exact(32)) {
-            for i in 0..32 {
-                sums[i] += a[i] * b[i];
-            }
-        }
-    }
-    sums.iter().sum()
 }
 
 criterion_group!(benches, stages);

@@ -2,8 +2,10 @@
 #![allow(dead_code, reason = "each bench file uses its own part of this")]
 
 pub mod random;
+pub mod stage_times;
 pub mod step_times;
 pub mod study;
+pub mod yardsticks;
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
