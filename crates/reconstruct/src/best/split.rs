@@ -6,7 +6,7 @@
 use std::ops::Range;
 
 use rayon::prelude::*;
-use stack::{Component, GroupCounts, Image, Noise, SampleCounts, Size};
+use stack::{Component, Dealing, GroupCounts, Image, Noise, SampleCounts, Size};
 
 use super::settings::SplitSettings;
 use crate::bands::{image_rows, rows_of};
@@ -88,12 +88,14 @@ pub fn split(
         return Err(ReconstructError::NoBuckets { layer: component.role.layer() });
     };
     let size = component.radiance.mean.size();
+    // Our own differ by a sample or so.
+    let may_differ = !matches!(counts.dealing, Dealing::Numbered { .. });
     let (halves, counts) = (counts.grouped(2), counts.grouped(buckets.len()));
     let luminances: Vec<Vec<f32>> = (0..buckets.len())
         .into_par_iter()
         .map(|bucket| (0..size.pixels()).map(|pixel| luminance(buckets, &counts, bucket, pixel)).collect())
         .collect();
-    let task = SplitTask { size, buckets, luminances: &luminances, counts, halves, settings };
+    let task = SplitTask { size, buckets, luminances: &luminances, counts, halves, may_differ, settings };
     let mut planes = per_pixel::planes(size.pixels(), |pixel| task.pixel(pixel).numbers()).into_iter();
     let mut image = || Image::from_channels(size, planes.by_ref().take(3).collect());
     let halves = [image(), image()];
@@ -171,6 +173,8 @@ struct SplitTask<'a> {
     luminances: &'a [Vec<f32>],
     counts: GroupCounts<'a>,
     halves: GroupCounts<'a>,
+    /// Whether halves may hold very different numbers of samples.
+    may_differ: bool,
     settings: &'a SplitSettings,
 }
 
@@ -238,6 +242,9 @@ impl SplitTask<'_> {
         }
         let mut split = sums.finish();
         split.variance = self.variance(pixel, cap, &split.halves);
+        if self.may_differ {
+            split.halves = balanced(split.halves, [0, 1].map(|half| self.halves.of(pixel, half) as f32));
+        }
         split
     }
 
@@ -257,6 +264,21 @@ impl SplitTask<'_> {
         let scale = if filled < 2 { f32::NAN } else { 2.0 / ((filled - 1) as f32 * (a + b)) };
         squares.map(|s| s * scale)
     }
+}
+
+/// Halves of `[a, b]` samples made ones of equal variance whose mean is that of all samples. With m = (a A + b B)/n and
+/// d = A − B, whose noise is uncorrelated, m ± d √(a b)/n have variance 2σ²/n each and are uncorrelated, too.
+fn balanced(halves: [[f32; 3]; 2], [a, b]: [f32; 2]) -> [[f32; 3]; 2] {
+    if a == b {
+        return halves;
+    }
+    let n = a + b;
+    [1.0, -1.0].map(|side| {
+        [0, 1, 2].map(|c| {
+            let [x, y] = [halves[0][c], halves[1][c]];
+            (a * x + b * y) / n + side * (x - y) * (a * b).sqrt() / n
+        })
+    })
 }
 
 /// Sums over the buckets of one pixel.

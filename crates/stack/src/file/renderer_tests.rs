@@ -451,6 +451,42 @@ fn halves_of_different_lengths_and_features_from_elsewhere() {
 }
 
 #[test]
+fn adaptive_halves_count_pixel_by_pixel_and_are_read_again_as_they_were() {
+    let folder = Files::new();
+    let half = |name: &'static str, n: fn(usize) -> f32| {
+        let values = move |channel: &str, pixel: usize| match channel {
+            "samples.Y" => n(pixel),
+            colour => noise(&format!("{name}{colour}"), pixel),
+        };
+        folder.exr(name, &["R", "G", "B", "samples.Y"], &values, &[])
+    };
+    let a = half("a.exr", |pixel| [4.0, 16.0, 0.0][pixel % 3]);
+    let b = half("b.exr", |pixel| [12.0, 1.0, 0.0][pixel % 3]);
+    let read = read_inputs(&Inputs::Halves([a, b], Vec::new()), &ReadOptions::default()).unwrap();
+    let means = &colour(&read).mean.channels()[0];
+    for (pixel, [n_a, n_b]) in [[4.0, 12.0], [16.0, 1.0], [1.0, 1.0]].into_iter().enumerate() {
+        let expected = (n_a * noise("a.exrR", pixel) + n_b * noise("b.exrR", pixel)) / (n_a + n_b);
+        assert!((means[pixel] - expected).abs() < 1e-6, "{n_a} and {n_b} samples");
+    }
+    assert_eq!(read.found.spp.as_ref().map(|spp| (spp.min, spp.max)), Some((2, 17)));
+    let again = folder.path("again.exr");
+    let header = StackHeader::of(&read.stack, serde_json::json!({}));
+    write_stack(&again, &read.stack, true, &header, &[], &read.carried).unwrap();
+    assert_eq!(read_stack(&again).unwrap().stack, read.stack);
+}
+
+#[test]
+fn halves_of_an_adaptive_file_are_the_even_and_the_odd_samples_of_each_pixel() {
+    let folder = Files::new();
+    let channels = ["color.R", "color.G", "color.B", "colorA.R", "colorA.G", "colorA.B", "colorB.R", "colorB.G"];
+    let channels = [&channels[..], &["colorB.B", "samples.Y"]].concat();
+    let values = |name: &str, pixel: usize| if name == "samples.Y" { 2.0 + pixel as f32 } else { noise(name, pixel) };
+    let read = read(&folder.exr("adaptive.exr", &channels, &values, &[]));
+    let halves = |pixel| [0, 1].map(|half| read.stack.samples.in_group(pixel, half, 2));
+    assert_eq!([halves(0), halves(3), halves(4)], [[1, 1], [3, 2], [3, 3]]);
+}
+
+#[test]
 fn emission_apart_in_every_bucket_is_a_component() {
     let folder = Files::new();
     let names = ["R", "G", "B", "emission.R", "emission.G", "emission.B"];
