@@ -266,12 +266,18 @@ impl SplitTask<'_> {
     }
 }
 
+/// No half counts as more than so many times the other: noise of light is skewed, so that turned halves are not independent
+/// for being uncorrelated, and a firefly of a much longer one would be in both.
+const MOST_UNEVEN: f32 = 2.0;
+
 /// Halves of `[a, b]` samples made ones of equal variance whose mean is that of all samples. With m = (a A + b B)/n and
 /// d = A − B, whose noise is uncorrelated, m ± d √(a b)/n have variance 2σ²/n each and are uncorrelated, too.
 fn balanced(halves: [[f32; 3]; 2], [a, b]: [f32; 2]) -> [[f32; 3]; 2] {
-    if a == b {
+    // A half without samples repeats the other.
+    if a == b || a * b == 0.0 {
         return halves;
     }
+    let [a, b] = [a.min(MOST_UNEVEN * b), b.min(MOST_UNEVEN * a)];
     let n = a + b;
     [1.0, -1.0].map(|side| {
         [0, 1, 2].map(|c| {

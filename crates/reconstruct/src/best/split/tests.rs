@@ -183,7 +183,7 @@ fn without_buckets_there_is_an_error() {
 #[test]
 fn unequal_halves_are_turned_into_equal_ones_that_know_nothing_of_each_other() {
     let (mut noise, count) = (TestNoise(5), 40_000);
-    let (a, b) = (9.0_f32, 1.0_f32);
+    let (a, b) = (9.0_f32, 5.0_f32);
     let [x, y] = [a, b].map(|n| noise.normals(count, 2.0, (1.0 / n).sqrt()));
     let found: Vec<[f32; 2]> =
         x.iter().zip(&y).map(|(x, y)| balanced([[*x; 3], [*y; 3]], [a, b]).map(|half| half[1])).collect();
@@ -196,9 +196,7 @@ fn unequal_halves_are_turned_into_equal_ones_that_know_nothing_of_each_other() {
     let mean = |i: usize| (a * x[i] + b * y[i]) / (a + b);
     assert!(found.iter().enumerate().all(|(i, [p, q])| (0.5 * (p + q) - mean(i)).abs() < 1e-5));
     assert_eq!(balanced([[1.0; 3], [3.0; 3]], [4.0, 4.0]), [[1.0; 3], [3.0; 3]]);
-    assert_eq!(
-        balanced([[1.0; 3], [1.0; 3]], [4.0, 0.0]),
-        [[1.0; 3], [1.0; 3]],
-        "a half without samples repeats the other"
-    );
+    assert_eq!(balanced([[1.0; 3], [1.0; 3]], [4.0, 0.0]), [[1.0; 3], [1.0; 3]], "the other repeated");
+    let uneven = |n| balanced([[0.5; 3], [3.0; 3]], n);
+    assert_eq!(uneven([9.0, 1.0]), uneven([2.0, 1.0]), "no half counts for more than twice the other");
 }
