@@ -4,8 +4,8 @@
     tamis experiment guide FOLDER… -o DIR          (writes DIR/*.lesson, a file for each stack and guide)
     python scripts/train_guide.py DIR… -o crates/reconstruct/src/guide/weights.txt
 
-A lesson holds rows of little-endian 32-bit floats: the network's inputs at a pixel, then N = <d, t − x>, D = <d, d> and
-E = <x − r1, x − r2> there, and the error of the better of picture and guide (crates/cli/src/experiment/guide/lesson.rs).
+A lesson holds rows of little-endian 32-bit floats: the network's inputs at a pixel, what is added to the logit of its
+weight there (crates/reconstruct/src/guide/stakes.rs), then N = <d, t − x>, D = <d, d> and E = <x − r1, x − r2> there, and the error of the better of picture and guide (crates/cli/src/experiment/guide/lesson.rs).
 A weight w costs E + w²D − 2wN; the loss is the mean of w²D − 2wN over that error. Needs numpy; a few minutes on one
 core. The same seed gives the same weights on the same machine.
 """
@@ -40,7 +40,7 @@ def read_lessons(folders):
     """Rows, loss weights and names of all lessons; rows are cut to the shortest lesson."""
     lessons = []
     for path in sorted(path for folder in folders for path in glob.glob(os.path.join(folder, "*.lesson"))):
-        rows = np.fromfile(path, "<f4").reshape(-1, INPUTS + 4)
+        rows = np.fromfile(path, "<f4").reshape(-1, INPUTS + 5)
         lessons.append((os.path.basename(path)[: -len(".lesson")], rows))
     count = min(len(rows) for _, rows in lessons)
     random = np.random.default_rng(5)
@@ -61,13 +61,14 @@ class Batches:
     def __init__(self, lessons):
         kinds = [kind_of(name) for name, _ in lessons]
         rows = np.stack([rows for _, rows in lessons])
-        self.inputs, self.gain, self.cost = rows[..., :INPUTS], rows[..., INPUTS], rows[..., INPUTS + 1]
+        self.inputs, self.stake = rows[..., :INPUTS], rows[..., INPUTS]
+        self.gain, self.cost = rows[..., INPUTS + 1], rows[..., INPUTS + 2]
         caution = [CAUTION if any(word in kind for word in CAUTIOUS) else 1.0 for kind in kinds]
         self.cost = self.cost * np.float32(caution)[:, None]
         black = np.array([kind == BLACK for kind in kinds])
         self.gain = np.where(black[:, None], np.minimum(self.gain, 0), self.gain)
         counts = np.float32([COUNTS.get(kind, 1.0) for kind in kinds])
-        self.factor = (counts / rows[:, 0, INPUTS + 3])[:, None]
+        self.factor = (counts / rows[:, 0, INPUTS + 4])[:, None]
 
 
 def train(batches, seed):
@@ -88,7 +89,8 @@ def train(batches, seed):
         at = random.integers(0, inputs.shape[1] - BATCH)
         rows = slice(at, at + BATCH)
         gain, cost = ((plane[:, rows] * batches.factor).ravel() for plane in (batches.gain, batches.cost))
-        slopes = gradient(parameters, inputs[:, rows].reshape(-1, INPUTS), gain, cost)
+        stake = batches.stake[:, rows].ravel()
+        slopes = gradient(parameters, inputs[:, rows].reshape(-1, INPUTS), stake, gain, cost)
         rate = RATE * (1 - 0.95 * step / STEPS)
         for i, slope in enumerate(slopes):
             slope = slope + DECAY * parameters[i] * (i in (0, 2))
@@ -99,10 +101,10 @@ def train(batches, seed):
     return means, deviations, parameters
 
 
-def gradient(parameters, inputs, gain, cost):
+def gradient(parameters, inputs, stake, gain, cost):
     hidden_weights, hidden_biases, output_weights, output_bias = parameters
     hidden = np.tanh(inputs @ hidden_weights + hidden_biases)
-    weight = 1 / (1 + np.exp(-(hidden @ output_weights + output_bias[0])))
+    weight = 1 / (1 + np.exp(-(stake + hidden @ output_weights + output_bias[0])))
     slope = np.clip(2 * weight * cost - 2 * gain, *STEEPEST)
     slope = (slope * weight * (1 - weight) / len(inputs)).astype(np.float32)
     back = slope[:, None] * output_weights * (1 - hidden * hidden)

@@ -47,8 +47,31 @@ fn less_memory_makes_the_same_file_or_is_refused() {
         workplace.must(&format!("denoise noisy.exr -o b.exr --quiet --max-memory {limit}"));
         assert!(workplace.bytes("a.exr") == workplace.bytes("b.exr"), "{limit}");
     }
-    let run = workplace.tamis("denoise noisy.exr -o c.exr --quiet --max-memory 10M");
+}
+
+#[test]
+fn a_limit_that_cannot_be_kept_is_refused_before_pixels_are_read_and_the_one_that_is_named_will_do() {
+    let workplace = Workplace::new();
+    for seed in 0..3 {
+        let flags = format!("--size 48x200 --spp 2 --uniform --seed {seed} --quiet --no-denoise");
+        workplace.must(&format!("render box.obj {flags} -o b{seed}.exr"));
+    }
+    let whole = workplace.bytes("b1.exr");
+    let mut without_pixels = whole.clone();
+    let pixels = without_pixels.len() / 4;
+    without_pixels[pixels..].fill(0);
+    std::fs::write(workplace.path("b1.exr"), &without_pixels).unwrap();
+    let denoise = "denoise --buckets b0.exr b1.exr b2.exr -o c.exr --quiet --max-memory";
+    let run = workplace.tamis(&format!("{denoise} 10M"));
     assert_eq!((run.code(), run.errors().len(), workplace.path("c.exr").exists()), (Some(2), 1, false));
+    let error = &run.errors()[0];
+    let least = error.split_whitespace().find(|word| word.ends_with('M')).unwrap_or_else(|| panic!("{error}"));
+    let run = workplace.tamis(&format!("{denoise} {least}"));
+    assert!(run.code() == Some(2) && run.errors()[0].contains("b1.exr"), "the pixels are read next: {}", run.stderr());
+    std::fs::write(workplace.path("b1.exr"), whole).unwrap();
+    workplace.must(&format!("{denoise} {least}"));
+    let less = least.trim_end_matches('M').parse::<u32>().unwrap() - 1;
+    assert_eq!(workplace.tamis(&format!("{denoise} {less}M")).code(), Some(2));
 }
 
 #[test]

@@ -6,13 +6,13 @@ use anyhow::Result;
 use clap::ArgMatches;
 use reconstruct::{Extras, Reconstruction, reconstruct_freeing, reconstruct_with};
 use serde_json::{Value, json};
-use stack::file::{FileError, Found, Inputs, Pass, ReadStack, Role, Source, StackHeader, read_inputs};
+use stack::file::{FileError, Found, Inputs, Pass, ReadStack, Role, Source, StackHeader, read_inputs, survey};
 use stack::{FeatureStack, Image, Noise};
 
 use crate::args::{DenoiseArgs, OutputArgs};
 use crate::failure::{Verdict, usage};
 use crate::guide::{Followed, Guide};
-use crate::memory::{self, Afterwards, Plan};
+use crate::memory::{self, Afterwards, Need, Plan};
 use crate::output::{Outputs, Written};
 use crate::progress::Progress;
 use crate::render::report::mean_radiance;
@@ -75,17 +75,23 @@ impl Task<'_> {
     /// When a step fails, or something that is required is not there.
     pub fn run(&self, outputs: &Outputs, progress: &Progress) -> Result<Value> {
         let start = Instant::now();
+        let survey = survey(&self.inputs, &self.args.reading.options())?;
+        let settings = resolve(self.args, self.matches, survey.header.as_ref())?;
+        let then = Afterwards { output: outputs.need_inputs(), guide: self.args.guide.is_some() };
+        let plan = |need: Need| Plan::new(self.args.max_memory, need, settings.reconstruction.method, then);
+        // What is too large is refused before a pixel is read.
+        plan(Need::from(&survey))?;
         let mut read = self.read()?;
         read.notes.iter().for_each(|note| progress.say(note));
         let loaded = start.elapsed().as_secs_f64();
         require(self.args, &read)?;
-        let settings = resolve(self.args, self.matches, read.header.as_ref())?;
         let guide = self.args.guide.as_ref().map(|file| Guide::read(file, read.stack.size())).transpose()?;
         let header = header_of(&read, &settings);
         let noisy = mean_radiance(&read.stack.beauty());
         let passes = passes(&self.args.also, &read.stack)?;
+        let plan = plan(Need::from(&read.stack))?;
         let mut reconstruction =
-            self.reconstruct(&mut read, noisy, &passes, &settings.reconstruction, outputs, progress)?;
+            self.reconstruct(&mut read, noisy, &passes, &settings.reconstruction, (plan, then), progress)?;
         for (pass, rebuilt) in passes.iter().zip(std::mem::take(&mut reconstruction.passes)) {
             pass.replace(&mut read.stack, rebuilt);
         }
@@ -127,12 +133,10 @@ impl Task<'_> {
         noisy: f64,
         passes: &[Pass],
         settings: &reconstruct::Settings,
-        outputs: &Outputs,
+        (plan, then): (Plan, Afterwards),
         progress: &Progress,
     ) -> Result<Reconstruction> {
         let images: Vec<Image> = passes.iter().map(|pass| pass.image(&read.stack)).collect();
-        let then = Afterwards { output: outputs.need_inputs(), guide: self.args.guide.is_some() };
-        let plan = Plan::new(self.args.max_memory, &read.stack, settings.method, then)?;
         let extras = Extras { rows: plan.rows, passes: &images };
         if !plan.free {
             return Ok(reconstruct_with(&read.stack, settings, extras, progress)?);

@@ -4,6 +4,7 @@ use std::str::FromStr;
 
 use anyhow::Result;
 use reconstruct::MethodSettings;
+use stack::file::Survey;
 use stack::{FeatureStack, Size};
 
 use crate::failure::usage;
@@ -65,24 +66,22 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The least work that `stack` can be denoised with in `limit` bytes, or in three quarters of the machine's memory,
+    /// The least work that a stack can be denoised with in `limit` bytes, or in three quarters of the machine's memory,
     /// with what `then` needs of it.
     ///
     /// # Errors
     /// When a limit was given that cannot be kept.
-    pub fn new(limit: Option<Bytes>, stack: &FeatureStack, method: MethodSettings, then: Afterwards) -> Result<Self> {
+    pub fn new(limit: Option<Bytes>, stack: Need, method: MethodSettings, then: Afterwards) -> Result<Self> {
         if !method.is_collaborative() {
             let told = "--max-memory goes with --preset best and fast: other methods hold all they have at once";
             return if limit.is_some() { Err(usage(told)) } else { Ok(Self { free: false, rows: usize::MAX }) };
         }
         let most = limit.map(|limit| limit.0 as f64).or_else(|| Some(0.75 * physical_memory()? as f64));
-        let need =
-            Need { size: stack.size(), stack: stack.bytes() as f64, passed: stack.passed_through_bytes() as f64 };
-        need.plan(most.unwrap_or(f64::INFINITY), then).map_or_else(
+        stack.plan(most.unwrap_or(f64::INFINITY), then).map_or_else(
             |least| match limit {
                 Some(Bytes(limit)) => Err(usage(format!(
                     "--max-memory {limit}: this stack of {} takes about {} at least",
-                    stack.size(),
+                    stack.size,
                     in_words(least)
                 ))),
                 None => Ok(Self { free: true, rows: 1 }),
@@ -116,10 +115,22 @@ fn in_words(bytes: f64) -> String {
 
 /// What a stack takes, in bytes.
 #[derive(Clone, Copy, Debug)]
-struct Need {
+pub struct Need {
     size: Size,
     stack: f64,
     passed: f64,
+}
+
+impl From<&FeatureStack> for Need {
+    fn from(stack: &FeatureStack) -> Self {
+        Self { size: stack.size(), stack: stack.bytes() as f64, passed: stack.passed_through_bytes() as f64 }
+    }
+}
+
+impl From<&Survey> for Need {
+    fn from(survey: &Survey) -> Self {
+        Self { size: survey.size, stack: survey.bytes as f64, passed: survey.passed_through_bytes as f64 }
+    }
 }
 
 impl Need {

@@ -153,6 +153,42 @@ mod tests {
         assert_eq!(estimate.variance_of_mean(&counts).unwrap().channels()[0][0], 3.0 * 16.0 / 16.0);
     }
 
+    /// Numbers from −1 to 1, of variance ⅓.
+    fn uniform(key: u64) -> f32 {
+        let mut z = key.wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        ((z ^ (z >> 27)) >> 40) as f32 / 8_388_608.0 - 1.0
+    }
+
+    #[test]
+    fn adaptive_halves_are_weighed_pixel_by_pixel() {
+        let pixels = 20_000;
+        let planes: [Vec<u32>; 2] = [7, 5].map(|most| (0..pixels).map(|pixel| 1 + pixel * 31 % most).collect());
+        let counts = SampleCounts::per_pixel(planes.to_vec());
+        let (mut halves, mut whole) = ([Vec::new(), Vec::new()], Vec::new());
+        for pixel in 0..pixels as usize {
+            let n = [planes[0][pixel], planes[1][pixel]].map(|n| n as usize);
+            let samples: Vec<f32> = (0..n[0] + n[1]).map(|i| 3.0 + uniform((16 * pixel + i) as u64 + 1)).collect();
+            let mean = |samples: &[f32]| samples.iter().sum::<f32>() / samples.len() as f32;
+            halves[0].push(mean(&samples[..n[0]]));
+            halves[1].push(mean(&samples[n[0]..]));
+            whole.push(mean(&samples));
+        }
+        let size = Size::new(pixels as usize, 1);
+        let halves = halves.map(|half| Image::from_channels(size, vec![half]));
+        let estimate = Estimate::from_buckets(halves.to_vec(), &counts);
+        let mean = &estimate.mean.channels()[0];
+        assert!(mean.iter().zip(&whole).all(|(a, b)| (a - b).abs() < 1e-5), "what all samples together give");
+        let variance = estimate.variance_of_mean(&counts).unwrap();
+        // For each pair of counts of its own.
+        for (a, b) in [(1, 1), (7, 1), (1, 5), (7, 5), (3, 2)] {
+            let these = (0..pixels as usize).filter(|p| planes[0][*p] == a && planes[1][*p] == b);
+            let values: Vec<f32> = these.map(|pixel| variance.channels()[0][pixel]).collect();
+            let ratio = values.iter().sum::<f32>() / values.len() as f32 * 3.0 * (a + b) as f32;
+            assert!((ratio - 1.0).abs() < 0.15, "{a} and {b} samples: {ratio} of the true variance");
+        }
+    }
+
     #[test]
     fn one_sample_leaves_the_variance_unknown() {
         let counts = numbered(1);

@@ -125,8 +125,7 @@ impl FeatureStack {
     pub fn bytes(&self) -> usize {
         let components = self.components.iter().map(|component| &component.radiance);
         let estimates = components.chain(self.features.iter().map(|feature| &feature.estimate));
-        let counts = std::mem::size_of_val(&self.samples.total[..]);
-        estimates.map(Estimate::bytes).sum::<usize>() + counts + self.passed_through_bytes()
+        estimates.map(Estimate::bytes).sum::<usize>() + self.samples.bytes() + self.passed_through_bytes()
     }
 
     /// Those of them that nobody here interprets.

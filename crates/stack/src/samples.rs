@@ -21,6 +21,8 @@ pub enum Dealing {
     },
     /// Another renderer's: every pixel has this many samples in each bucket.
     PerBucket(Vec<u32>),
+    /// An adaptive renderer's: samples of every pixel in each bucket, a row-major plane for each.
+    PerPixel(Vec<Vec<u32>>),
 }
 
 /// Where sample `i` of a pixel belongs.
@@ -40,6 +42,7 @@ impl Dealing {
         match self {
             Self::Numbered { buckets, .. } => *buckets as usize,
             Self::PerBucket(counts) => counts.len(),
+            Self::PerPixel(planes) => planes.len(),
         }
     }
 }
@@ -72,23 +75,43 @@ impl SampleCounts {
         Self { first: 0, total: vec![per_bucket.iter().sum(); pixels], dealing: Dealing::PerBucket(per_bucket) }
     }
 
+    /// Pixel `p` has `planes[b][p]` samples in bucket `b`.
+    pub fn per_pixel(planes: Vec<Vec<u32>>) -> Self {
+        let pixels = planes.first().map_or(0, Vec::len);
+        let total = (0..pixels).map(|pixel| planes.iter().map(|plane| plane[pixel]).sum()).collect();
+        Self { first: 0, total, dealing: Dealing::PerPixel(planes) }
+    }
+
+    /// What they take, in bytes.
+    pub fn bytes(&self) -> usize {
+        let planes = match &self.dealing {
+            Dealing::PerPixel(planes) => &planes[..],
+            _ => &[],
+        };
+        planes.iter().chain([&self.total]).map(|plane| std::mem::size_of_val(&plane[..])).sum()
+    }
+
     /// Samples of `pixel` in group `group` when the buckets are gathered into `groups` groups (bucket `b` goes to
     /// group `b mod groups`): with `groups` = number of buckets a bucket's own count, with 2 a half's.
     pub fn in_group(&self, pixel: usize, group: usize, groups: usize) -> u32 {
-        self.of_total(self.total[pixel], group, groups)
+        match &self.dealing {
+            Dealing::PerPixel(planes) => planes.iter().skip(group).step_by(groups).map(|plane| plane[pixel]).sum(),
+            _ => self.of_total(self.total[pixel], group, groups).unwrap_or(0),
+        }
     }
 
     /// The same for all pixels, to be looked up.
     pub fn grouped(&self, groups: usize) -> GroupCounts<'_> {
         let most = self.total.iter().copied().max().unwrap_or(0).min(MOST_KNOWN);
-        let of_total = |total: u32| (0..groups).map(move |group| self.of_total(total, group, groups));
+        let of_total = |total: u32| (0..groups).filter_map(move |group| self.of_total(total, group, groups));
         GroupCounts { counts: self, groups, known: (0..=most).flat_map(of_total).collect() }
     }
 
-    /// Samples in a group of a pixel that has `total`.
-    fn of_total(&self, total: u32, group: usize, groups: usize) -> u32 {
+    /// Samples in a group of a pixel that has `total`, where these tell.
+    fn of_total(&self, total: u32, group: usize, groups: usize) -> Option<u32> {
         match &self.dealing {
-            Dealing::PerBucket(counts) => counts.iter().skip(group).step_by(groups).sum(),
+            Dealing::PerPixel(_) => None,
+            Dealing::PerBucket(counts) => Some(counts.iter().skip(group).step_by(groups).sum()),
             Dealing::Numbered { sequences, buckets } => {
                 let upto = |n: u32| -> u32 {
                     (group as u32..*buckets)
@@ -96,7 +119,7 @@ impl SampleCounts {
                         .map(|bucket| numbered_before(n, bucket, *sequences, *buckets))
                         .sum()
                 };
-                upto(self.first + total) - upto(self.first)
+                Some(upto(self.first + total) - upto(self.first))
             }
         }
     }
@@ -110,7 +133,7 @@ impl SampleCounts {
     }
 }
 
-/// Totals up to which counts are looked up; those of rarer pixels are counted anew.
+/// Totals up to which counts are looked up, where these tell them; those of other pixels are counted anew.
 const MOST_KNOWN: u32 = 1 << 14;
 
 /// Sample counts in groups of buckets: [`SampleCounts::in_group`] for one number of groups, looked up by a pixel's total.
@@ -188,6 +211,19 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn counts_of_their_own_are_gathered_into_groups() {
+        let counts = SampleCounts::per_pixel(vec![vec![1, 20_000], vec![2, 0], vec![3, 7], vec![4, 1]]);
+        assert_eq!(counts.total, [10, 20_008]);
+        for (pixel, halves) in [[4, 6], [20_007, 1]].into_iter().enumerate() {
+            for half in 0..2 {
+                assert_eq!(counts.in_group(pixel, half, 2), halves[half]);
+                assert_eq!(counts.grouped(2).of(pixel, half), halves[half]);
+            }
+        }
+        assert_eq!(counts.bytes(), 5 * 8);
     }
 
     #[test]

@@ -8,7 +8,7 @@ mod high_ranks;
 use std::ops::Range;
 
 use rayon::prelude::*;
-use stack::{Component, GroupCounts, Image, Noise, SampleCounts, Size};
+use stack::{Component, Dealing, GroupCounts, Image, Noise, SampleCounts, Size};
 
 use super::settings::SplitSettings;
 use crate::bands::{image_rows, rows_of};
@@ -92,16 +92,21 @@ pub fn split(
         return Err(ReconstructError::NoBuckets { layer: component.role.layer() });
     };
     let size = component.radiance.mean.size();
-    let (halves, counts) = (counts.grouped(2), counts.grouped(buckets.len()));
+    // Our own halves differ by a sample or so.
+    let may_differ = !matches!(counts.dealing, Dealing::Numbered { .. });
+    let (of_halves, counts) = (counts.grouped(2), counts.grouped(buckets.len()));
     let luminances: Vec<Vec<f32>> = (0..buckets.len())
         .into_par_iter()
         .map(|bucket| (0..size.pixels()).map(|pixel| luminance(buckets, &counts, bucket, pixel)).collect())
         .collect();
-    let task = SplitTask { size, buckets, luminances: &luminances, counts, halves, settings };
+    let task = SplitTask { size, buckets, luminances: &luminances, counts, halves: &of_halves, settings };
     let caps = task.caps();
     let mut planes = per_pixel::planes_by_eight(size.pixels(), &Cut { task, caps }).into_iter();
     let mut image = || Image::from_channels(size, planes.by_ref().take(3).collect());
-    let halves = [image(), image()];
+    let mut halves = [image(), image()];
+    if may_differ {
+        balance(&mut halves, &of_halves);
+    }
     let variance = known_everywhere(image(), &halves[0]);
     let light = [image(), image()];
     Ok(Layers {
@@ -109,6 +114,32 @@ pub fn split(
         variance: steadied(variance, LEAST_VARIANCE),
         events: Events { light, energy: planes.next().unwrap_or_default(), squares: planes.next().unwrap_or_default() },
     })
+}
+
+/// No half counts as more than so many times the other: noise of light is skewed, so that turned halves are not independent
+/// for being uncorrelated, and a firefly of a much longer one would be in both.
+const MOST_UNEVEN: f32 = 2.0;
+
+/// Makes both halves ones of equal variance.
+fn balance([first, second]: &mut [Image; 2], counts: &GroupCounts) {
+    for (xs, ys) in first.channels_mut().iter_mut().zip(second.channels_mut()) {
+        for (pixel, (x, y)) in xs.iter_mut().zip(ys).enumerate() {
+            [*x, *y] = balanced([*x, *y], [0, 1].map(|half| counts.of(pixel, half) as f32));
+        }
+    }
+}
+
+/// Halves `[x, y]` of `[a, b]` samples made ones of equal variance whose mean is that of all samples. With
+/// m = (a x + b y)/n and d = x − y, whose noise is uncorrelated, m ± d √(a b)/n have variance 2σ²/n each and are
+/// uncorrelated, too.
+fn balanced([x, y]: [f32; 2], [a, b]: [f32; 2]) -> [f32; 2] {
+    // A half without samples repeats the other.
+    if a == b || a * b == 0.0 {
+        return [x, y];
+    }
+    let [a, b] = [a.min(MOST_UNEVEN * b), b.min(MOST_UNEVEN * a)];
+    let n = a + b;
+    [1.0, -1.0].map(|side| (a * x + b * y) / n + side * (x - y) * (a * b).sqrt() / n)
 }
 
 /// Luminance of one bucket.
@@ -127,7 +158,7 @@ struct SplitTask<'a> {
     buckets: &'a [Image],
     luminances: &'a [Vec<f32>],
     counts: GroupCounts<'a>,
-    halves: GroupCounts<'a>,
+    halves: &'a GroupCounts<'a>,
     settings: &'a SplitSettings,
 }
 

@@ -32,21 +32,22 @@ pub struct Judge {
 }
 
 impl Judge {
-    /// The weight of the guide at every pixel, 0 to 1: the logistic function of b + Σ w h, h = tanh(b + Σ w x).
-    pub fn weights(&self, inputs: &Inputs) -> Vec<f32> {
+    /// The weight of the guide at every pixel, 0 to 1: the logistic function of s + b + Σ w h, h = tanh(b + Σ w x), with
+    /// what is at stake there, s.
+    pub fn weights(&self, inputs: &Inputs, stakes: &[f32]) -> Vec<f32> {
         let pixels = inputs.pixels();
-        let weighed = |at| pulp::Arch::new().dispatch(BlockTask { judge: self, inputs, at });
+        let weighed = |at| pulp::Arch::new().dispatch(BlockTask { judge: self, inputs, stakes, at });
         let blocks: Vec<Lanes> = lanes_of(pixels).map(weighed).collect();
         blocks.into_iter().flatten().take(pixels).collect()
     }
 
     #[inline(always)]
-    fn activate(&self, block: &[Lanes; INPUTS]) -> Lanes {
+    fn activate(&self, block: &[Lanes; INPUTS], stakes: &Lanes) -> Lanes {
         let mut hidden = [[0.0; LANES]; HIDDEN];
         for (value, node) in hidden.iter_mut().zip(self.hidden.chunks_exact(NODE)) {
             *value = weighted_sum([node[0]; LANES], &node[1..], block).map(tanh);
         }
-        weighted_sum([self.output[0]; LANES], &self.output[1..], &hidden).map(logistic)
+        weighted_sum(stakes.map(|stake| stake + self.output[0]), &self.output[1..], &hidden).map(logistic)
     }
 }
 
@@ -54,6 +55,7 @@ impl Judge {
 struct BlockTask<'a> {
     judge: &'a Judge,
     inputs: &'a Inputs<'a>,
+    stakes: &'a [f32],
     at: [usize; LANES],
 }
 
@@ -62,7 +64,7 @@ impl pulp::NullaryFnOnce for BlockTask<'_> {
 
     #[inline(always)]
     fn call(self) -> Lanes {
-        let Self { judge, inputs, at } = self;
+        let Self { judge, inputs, stakes, at } = self;
         let mut block = [[0.0; LANES]; INPUTS];
         for (lane, pixel) in at.into_iter().enumerate() {
             for (i, value) in inputs.at(pixel).into_iter().enumerate() {
@@ -70,7 +72,7 @@ impl pulp::NullaryFnOnce for BlockTask<'_> {
                 block[i][lane] = standard.clamp(-FURTHEST, FURTHEST);
             }
         }
-        judge.activate(&block)
+        judge.activate(&block, &at.map(|pixel| stakes[pixel]))
     }
 }
 
@@ -102,7 +104,7 @@ mod tests {
         let judge = Judge { means: [0.0; INPUTS], deviations: [1.0; INPUTS], hidden, output };
         let mut block = [[7.0; LANES]; INPUTS];
         (block[0], block[INPUTS - 1]) = ([1.0; LANES], [2.0; LANES]);
-        let expected = 1.0 / (1.0 + (1.0 - 2.0 * 0.3_f64.tanh()).exp());
-        assert!((f64::from(judge.activate(&block)[5]) - expected).abs() < 1e-6);
+        let expected = 1.0 / (1.0 + (0.5 - 2.0 * 0.3_f64.tanh()).exp());
+        assert!((f64::from(judge.activate(&block, &[0.5; LANES])[5]) - expected).abs() < 1e-6);
     }
 }

@@ -8,7 +8,8 @@
 //! No formula in second moments can know that covariance from one picture. What helps is what denoisers have in common:
 //! a small network (`judge`) has seen how far pictures of many kinds were from the truth, and is told the moments of d,
 //! of y − x and of their neighbours, smoothed on surfaces on three scales and over the whole picture (`moments`, `inputs`).
-//! Events, as in [`crate::best`], are spread before y judges anyone (`evidence`).
+//! Events, as in [`crate::best`], are spread before y judges anyone (`evidence`). Where picture and guide differ by far, the
+//! darker one is followed further than it deserves by its chances alone (`stakes`).
 //!
 //! This works on the result of any method; the network has learned on those of `best`, `fast` and `nfor`.
 
@@ -16,6 +17,7 @@ mod evidence;
 mod inputs;
 mod judge;
 mod moments;
+mod stakes;
 mod weights;
 
 use stack::{Fault, FeatureStack, Image, Monitor, Silent, Size};
@@ -24,6 +26,7 @@ use self::evidence::Evidence;
 pub use self::inputs::INPUTS;
 use self::inputs::Inputs;
 use self::moments::Moments;
+use self::stakes::stakes;
 use crate::completion::complete;
 use crate::network::WeightsError;
 use crate::prefilter::PrefilterError;
@@ -120,6 +123,7 @@ pub struct Hearing {
     picture: Image,
     guide: Image,
     moments: Moments,
+    stakes: Vec<f32>,
 }
 
 impl Hearing {
@@ -141,7 +145,8 @@ impl Hearing {
         let evidence = Evidence::new(&completed.stack, &rebuilt.picture, &settings.best, &Within(monitor))?;
         let guide = sound(guide, &rebuilt.picture);
         let moments = Moments::new(&evidence, rebuilt, &guide);
-        Ok(Self { picture: rebuilt.picture.clone(), guide, moments })
+        let stakes = stakes(&rebuilt.picture, &guide);
+        Ok(Self { picture: rebuilt.picture.clone(), guide, moments, stakes })
     }
 
     /// What the network is told about `pixel`.
@@ -149,12 +154,17 @@ impl Hearing {
         Inputs::new(&self.moments).at(pixel)
     }
 
+    /// What is added to the logit of the weight that the network gives `pixel`.
+    pub fn stake(&self, pixel: usize) -> f32 {
+        self.stakes[pixel]
+    }
+
     /// The mixture, weights times `strength`.
     ///
     /// # Errors
     /// When the weights of the network cannot be used.
     pub fn verdict(&self, strength: f32) -> Result<Guided, GuideError> {
-        let mut weights = weights::trained()?.weights(&Inputs::new(&self.moments));
+        let mut weights = weights::trained()?.weights(&Inputs::new(&self.moments), &self.stakes);
         weights.iter_mut().for_each(|weight| *weight *= strength);
         Ok(Guided { picture: mixed(&self.picture, &self.guide, &weights), weights })
     }

@@ -72,9 +72,9 @@ pub const RENDERERS: &[Renderer] = &[
             (Role::Emission, &["emission", "emit"]),
             (Role::Samples, &["debugsamplecount", "samplecount"]),
         ],
-        endings: &[],
         // Written by Blender 2.79 to 2.9: (Σx² − (Σx)²/n)/n.
-        noise: &[(Role::Colour, OF_SAMPLE, &["denoisingvariance"])],
+        endings: &[("variance", OF_SAMPLE)],
+        noise: &[(Role::Colour, OF_SAMPLE, &["denoisingvariance", "denoisingimagevariance"])],
         spp: &[("cycles.", ".samples")],
         ..NOBODY
     },
@@ -179,8 +179,10 @@ pub const RENDERERS: &[Renderer] = &[
         ],
         means: &[
             (Role::Colour, &["ci"]),
+            // `P` itself is in camera space.
+            (POSITION, &["pworld"]),
             (ALBEDO, &["albedo"]),
-            (NORMAL, &["normal", "nn"]),
+            (NORMAL, &["normal", "nworld", "nn"]),
             (DEPTH, &["zfiltered", "z"]),
             (Role::Samples, &["samplecount"]),
         ],

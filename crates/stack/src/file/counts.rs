@@ -6,6 +6,9 @@ use super::layers::Layers;
 use super::recognise::Recognised;
 use super::role::Role;
 
+/// No pixel is believed to have more samples.
+const MOST: u32 = 1 << 24;
+
 /// Samples per pixel, and where the number stood.
 #[derive(Clone, Debug)]
 pub struct Spp {
@@ -20,6 +23,11 @@ impl Spp {
     pub fn mean(&self) -> f64 {
         let sum: f64 = self.total.iter().map(|n| f64::from(*n)).sum();
         (sum / self.total.len().max(1) as f64).max(1.0)
+    }
+
+    /// Whether all pixels have as many.
+    pub fn is_uniform(&self) -> bool {
+        self.total.iter().all(|n| *n == self.total[0])
     }
 
     /// For the report.
@@ -49,13 +57,13 @@ pub fn take_spp(layers: &mut Layers, recognised: &Recognised, given: Option<u32>
 }
 
 fn rounded(plane: &[f32], scale: f64) -> Vec<u32> {
-    plane.iter().map(|v| (f64::from(*v) * scale).round() as u32).collect()
+    plane.iter().map(|v| ((f64::from(*v) * scale).round() as u32).min(MOST)).collect()
 }
 
 fn attribute(layers: &Layers, recognised: &Recognised) -> Option<(f64, String)> {
     let names = recognised.renderer.spp.iter().chain(ANYBODY.spp);
     names.into_iter().find_map(|(start, end)| {
-        let number = layers.carried.number((start, end)).filter(|n| *n >= 1.0 && *n <= f64::from(1 << 24))?;
+        let number = layers.carried.number((start, end)).filter(|n| *n >= 1.0 && *n <= f64::from(MOST))?;
         let gap = if end.is_empty() { "" } else { "…" };
         Some((number, format!("attribute {start}{gap}{end}")))
     })

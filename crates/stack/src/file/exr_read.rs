@@ -46,6 +46,20 @@ pub fn read_exr(path: &Path) -> Result<Layers, FileError> {
     read_exr_from(path, BufReader::new(file))
 }
 
+/// What [`read_exr`] would read of `path`, with one black pixel in place of the picture, and the picture's size: from the
+/// header alone.
+///
+/// # Errors
+/// As there, where the header tells.
+pub fn outline_exr(path: &Path) -> Result<(Layers, Size), FileError> {
+    let file = File::open(path).map_err(|source| FileError::io(path, "read", source))?;
+    let reader = exr::block::read(BufReader::new(file), false).map_err(|error| understand(path, error))?;
+    let mut layers = frame(path, reader.headers())?;
+    let size = std::mem::replace(&mut layers.window.size, Size::new(1, 1));
+    add_channels(&mut layers, reader.headers(), reader.headers().iter().map(|header| planes(header, 1)))?;
+    Ok((layers, size))
+}
+
 /// As [`read_exr`], from anywhere; `path` is what messages call it.
 pub(super) fn read_exr_from(path: &Path, mut source: impl Read + Seek) -> Result<Layers, FileError> {
     let damaged = |error| understand(path, error);
@@ -56,7 +70,8 @@ pub(super) fn read_exr_from(path: &Path, mut source: impl Read + Seek) -> Result
     let mut layers = frame(path, &headers)?;
     check_length(path, &headers, length)?;
     let chunks = reader.filter_chunks(false, |_, _, block| block.level == Vec2(0, 0)).map_err(damaged)?;
-    let mut parts: Vec<Vec<FlatSamples>> = headers.iter().map(planes).collect();
+    let mut parts: Vec<Vec<FlatSamples>> =
+        headers.iter().map(|header| planes(header, header.layer_size.area())).collect();
     let (mut chunks, mut seen) = (chunks.into_iter(), HashSet::new());
     let meta =
         exr::meta::MetaData { requirements: requirements(&headers, path)?, headers: headers.iter().cloned().collect() };
@@ -76,12 +91,21 @@ pub(super) fn read_exr_from(path: &Path, mut source: impl Read + Seek) -> Result
             place(block, &headers[block.index.layer], &mut parts[block.index.layer]).map_err(damaged)?;
         }
     }
+    add_channels(&mut layers, &headers, parts)?;
+    Ok(layers)
+}
+
+/// Gives `layers` the channels of all parts, whose samples are `parts`.
+fn add_channels(
+    layers: &mut Layers,
+    headers: &[Header],
+    parts: impl IntoIterator<Item = Vec<FlatSamples>>,
+) -> Result<(), FileError> {
     for (header, planes) in headers.iter().zip(parts) {
         let names = header.channels.list.iter().map(|channel| full_name(header, headers.len(), &channel.name));
         layers.channels.extend(names.zip(planes).map(|(name, samples)| Passthrough { name, samples }));
     }
-    check_names(path, &layers)?;
-    Ok(layers)
+    check_names(layers)
 }
 
 fn requirements(headers: &[Header], path: &Path) -> Result<exr::meta::Requirements, FileError> {
@@ -154,16 +178,16 @@ fn full_name(header: &Header, parts: usize, channel: &Text) -> String {
     }
 }
 
-fn check_names(path: &Path, layers: &Layers) -> Result<(), FileError> {
+fn check_names(layers: &Layers) -> Result<(), FileError> {
     let mut names = HashSet::new();
     match layers.channels.iter().find(|channel| !names.insert(&channel.name)) {
-        Some(twice) => Err(broken(path, &format!("channel {} is there twice", twice.name))),
+        Some(twice) => Err(broken(&layers.path, &format!("channel {} is there twice", twice.name))),
         None => Ok(()),
     }
 }
 
-fn planes(header: &Header) -> Vec<FlatSamples> {
-    let pixels = header.layer_size.area();
+/// Black planes of so many pixels for the channels of a part.
+fn planes(header: &Header, pixels: usize) -> Vec<FlatSamples> {
     let plane = |kind| match kind {
         SampleType::F32 => FlatSamples::F32(vec![0.0; pixels]),
         SampleType::F16 => FlatSamples::F16(vec![f16::ZERO; pixels]),

@@ -9,9 +9,9 @@ use exr::prelude::{
 };
 
 use super::borrowed::BorrowedSamples;
-use super::exr_read::{read_exr, understand};
+use super::exr_read::{outline_exr, read_exr, understand};
 use super::header_order::sort_attributes;
-use super::pfm::{is_pfm, read_pfm_layers};
+use super::pfm::{is_pfm, outline_pfm, read_pfm_layers};
 use super::{Carried, FileError, write_atomically};
 use crate::{Size, Window};
 
@@ -75,13 +75,16 @@ impl Layers {
     /// When the file is absent, a folder, damaged, or of a kind that is not supported (deep data, subsampled channels,
     /// parts of different size).
     pub fn read(path: &Path) -> Result<Self, FileError> {
-        if path.is_dir() {
-            return Err(FileError::Folder { path: path.into() });
-        }
-        let mut start = [0; 3];
-        let file = std::fs::File::open(path).map_err(|source| FileError::io(path, "read", source))?;
-        let whole = std::io::Read::read_exact(&mut &file, &mut start).is_ok();
-        if whole && is_pfm(&start) { read_pfm_layers(path) } else { read_exr(path) }
+        if is_pfm_file(path)? { read_pfm_layers(path) } else { read_exr(path) }
+    }
+
+    /// The channels of such a file with one black pixel in place of the picture, and the picture's size: from its header
+    /// alone.
+    ///
+    /// # Errors
+    /// As [`Self::read`], where the header tells.
+    pub(super) fn outline(path: &Path) -> Result<(Self, Size), FileError> {
+        if is_pfm_file(path)? { outline_pfm(path) } else { outline_exr(path) }
     }
 
     /// Takes the channel called `name` out, as `f32`.
@@ -122,6 +125,15 @@ impl Layers {
         let frame = Frame { window: self.window, film: self.film, carried: &self.carried };
         write_channels(path, frame, self.metadata.as_ref(), channels)
     }
+}
+
+fn is_pfm_file(path: &Path) -> Result<bool, FileError> {
+    if path.is_dir() {
+        return Err(FileError::Folder { path: path.into() });
+    }
+    let mut start = [0; 3];
+    let file = std::fs::File::open(path).map_err(|source| FileError::io(path, "read", source))?;
+    Ok(std::io::Read::read_exact(&mut &file, &mut start).is_ok() && is_pfm(&start))
 }
 
 /// What surrounds the channels of a file.

@@ -48,6 +48,7 @@ mod role;
 mod round_trip;
 mod slot_names;
 mod sources;
+mod survey;
 #[cfg(test)]
 mod test_files;
 mod together;
@@ -67,4 +68,5 @@ pub use read::{Inputs, ReadStack, read_buckets, read_inputs, read_stack};
 pub use recognise::Mapping;
 pub use role::{Convention, Measure, Role, Slot};
 pub use sources::{Source, is_one_stack};
+pub use survey::{Survey, survey};
 pub use write::{ResultLayer, StackHeader, write_stack};

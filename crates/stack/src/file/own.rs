@@ -4,7 +4,7 @@ use super::counts::Spp;
 use super::found::{Found, FoundRole};
 use super::loaded::{Loaded, Plane, take_image};
 use super::role::Role;
-use super::write::bucket_layer;
+use super::write::{SAMPLES, bucket_layer};
 use super::{FileError, Layers, ReadStack, StackHeader};
 use crate::{
     Component, ComponentRole, Dealing, Estimate, Feature, FeatureRole, FeatureStack, Image, Noise, SampleCounts,
@@ -28,13 +28,7 @@ pub fn header_of(layers: &Layers) -> Option<StackHeader> {
 /// # Errors
 /// When it is not whole.
 pub fn read_own(mut layers: Layers, header: StackHeader) -> Result<ReadStack, FileError> {
-    let total = layers.take("samples.Y").ok_or_else(|| missing("sample counts", "samples.Y", &layers))?;
-    let numbered = || Dealing::Numbered { sequences: header.sequences, buckets: header.buckets };
-    let samples = SampleCounts {
-        first: header.first,
-        total: total.into_iter().map(|n| n as u32).collect(),
-        dealing: header.per_bucket.clone().map_or_else(numbered, Dealing::PerBucket),
-    };
+    let samples = take_counts(&mut layers, &header)?;
     let mut components = Vec::new();
     for role in ComponentRole::ALL {
         let buckets = header.buckets as usize;
@@ -60,6 +54,21 @@ pub fn read_own(mut layers: Layers, header: StackHeader) -> Result<ReadStack, Fi
     let stack = FeatureStack { window, film, samples, components, features, passthrough };
     let found = found_in(&stack);
     Ok(ReadStack { stack, header: Some(header), notes: found.lines(), found, carried })
+}
+
+fn take_counts(layers: &mut Layers, header: &StackHeader) -> Result<SampleCounts, FileError> {
+    let plane = |layers: &mut Layers, layer: &str| -> Option<Vec<u32>> {
+        Some(layers.take(&format!("{layer}.Y"))?.into_iter().map(|n| n as u32).collect())
+    };
+    let total = plane(layers, SAMPLES).ok_or_else(|| missing("sample counts", "samples.Y", layers))?;
+    let buckets = header.buckets as usize;
+    let planes: Option<Vec<_>> = (0..buckets).map(|b| plane(layers, &bucket_layer(SAMPLES, b, buckets))).collect();
+    let dealing = match (&header.per_bucket, planes) {
+        (Some(counts), _) => Dealing::PerBucket(counts.clone()),
+        (None, Some(planes)) if buckets > 1 => Dealing::PerPixel(planes),
+        _ => Dealing::Numbered { sequences: header.sequences, buckets: header.buckets },
+    };
+    Ok(SampleCounts { first: header.first, total, dealing })
 }
 
 fn missing(wanted: &'static str, expected: &str, layers: &Layers) -> FileError {
@@ -143,7 +152,7 @@ pub fn load_own(mut layers: Layers) -> Loaded {
 /// Whether a file of ours has the channel `name` for an input or a result.
 fn is_own_channel(name: &str) -> bool {
     let components = ComponentRole::ALL.map(ComponentRole::layer);
-    let mut layers = components.into_iter().chain(FeatureRole::ALL.map(FeatureRole::layer));
+    let mut layers = components.into_iter().chain(FeatureRole::ALL.map(FeatureRole::layer)).chain([SAMPLES]);
     let own = |rest: &str| [".", "A.", "B.", "Variance."].iter().any(|form| rest.starts_with(form));
     let is_result = RESULTS.iter().any(|r| if r.ends_with('.') { name.starts_with(r) } else { name == *r });
     is_result || layers.any(|layer| name.strip_prefix(layer).is_some_and(own))

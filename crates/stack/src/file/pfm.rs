@@ -1,6 +1,7 @@
 //! Portable float maps: three (or one) 32-bit floats a pixel, bottom row first; and their half-precision form (PHM).
 
-use std::io::Write;
+use std::fs::File;
+use std::io::{Read, Write};
 use std::path::Path;
 
 use exr::prelude::{FlatSamples, f16};
@@ -32,46 +33,81 @@ pub(super) fn is_pfm(start: &[u8]) -> bool {
 /// # Errors
 /// As [`read_pfm`].
 pub(super) fn read_pfm_layers(path: &Path) -> Result<Layers, FileError> {
-    let damaged = |reason: &str| FileError::Damaged { path: path.into(), format: "PFM", reason: reason.into() };
     if path.is_dir() {
         return Err(FileError::Folder { path: path.into() });
     }
     let bytes = std::fs::read(path).map_err(|source| FileError::io(path, "read", source))?;
-    let (words, values) = header(&bytes).ok_or_else(|| damaged("expected a header of three lines"))?;
-    let (names, width_of_one): (&[&str], usize) = match words[0] {
-        "PF" => (&["R", "G", "B"], 4),
-        "Pf" => (&["Y"], 4),
-        "PH" => (&["R", "G", "B"], 2),
-        "Ph" => (&["Y"], 2),
-        _ => return Err(damaged("expected PF, Pf, PH or Ph at the start")),
-    };
-    let number = |word: &str| word.parse::<usize>().ok().filter(|n| *n > 0);
-    let (Some(width), Some(height)) = (number(words[1]), number(words[2])) else {
-        return Err(damaged("expected a width and a height"));
-    };
-    let scale: f32 = words[3].parse().map_err(|_| damaged("expected a scale"))?;
-    let wanted = width.checked_mul(height).and_then(|n| n.checked_mul(names.len() * width_of_one));
+    let Shape { names, half, little, size, start } = shape(path, &bytes)?;
+    let values = &bytes[start..];
+    let value_bytes = if half { 2 } else { 4 };
+    let wanted = size.width.checked_mul(size.height).and_then(|n| n.checked_mul(names.len() * value_bytes));
     if wanted.is_none_or(|wanted| values.len() < wanted) {
-        return Err(damaged("it ends before its last pixel"));
+        return Err(damaged(path, "it ends before its last pixel"));
     }
-    let (size, little) = (Size::new(width, height), scale < 0.0);
     let channel = |(c, name): (usize, &&str)| {
+        let Size { width, height } = size;
         let at = |i: usize| ((height - 1 - i / width) * width + i % width) * names.len() + c;
-        let samples = if width_of_one == 4 {
-            FlatSamples::F32((0..size.pixels()).map(|i| f32::from_bits(word(values, at(i), little))).collect())
-        } else {
+        let samples = if half {
             FlatSamples::F16((0..size.pixels()).map(|i| f16::from_bits(half_word(values, at(i), little))).collect())
+        } else {
+            FlatSamples::F32((0..size.pixels()).map(|i| f32::from_bits(word(values, at(i), little))).collect())
         };
         Passthrough { name: (*name).into(), samples }
     };
-    Ok(Layers {
-        path: path.into(),
-        window: Window::whole(size),
-        film: size,
-        channels: names.iter().enumerate().map(channel).collect(),
-        metadata: None,
-        carried: Carried::default(),
-    })
+    Ok(layers(path, size, names.iter().enumerate().map(channel).collect()))
+}
+
+/// What [`read_pfm_layers`] would read of `path`, with one black pixel in place of the picture, and the picture's size.
+///
+/// # Errors
+/// When the header cannot be understood.
+pub(super) fn outline_pfm(path: &Path) -> Result<(Layers, Size), FileError> {
+    let failed = |source| FileError::io(path, "read", source);
+    let mut start = Vec::new();
+    File::open(path).and_then(|file| file.take(LONGEST_HEADER).read_to_end(&mut start)).map_err(failed)?;
+    let Shape { names, half, size, .. } = shape(path, &start)?;
+    let black = || if half { FlatSamples::F16(vec![f16::ZERO]) } else { FlatSamples::F32(vec![0.0]) };
+    let channels = names.iter().map(|name| Passthrough { name: (*name).into(), samples: black() }).collect();
+    Ok((layers(path, Size::new(1, 1), channels), size))
+}
+
+fn layers(path: &Path, size: Size, channels: Vec<Passthrough>) -> Layers {
+    let (window, carried) = (Window::whole(size), Carried::default());
+    Layers { path: path.into(), window, film: size, channels, metadata: None, carried }
+}
+
+fn damaged(path: &Path, reason: &str) -> FileError {
+    FileError::Damaged { path: path.into(), format: "PFM", reason: reason.into() }
+}
+
+/// More bytes than four words and what stands between them take.
+const LONGEST_HEADER: u64 = 1024;
+
+/// What a header says.
+struct Shape {
+    names: &'static [&'static str],
+    half: bool,
+    little: bool,
+    size: Size,
+    /// Where the values start.
+    start: usize,
+}
+
+fn shape(path: &Path, bytes: &[u8]) -> Result<Shape, FileError> {
+    let (words, start) = header(bytes).ok_or_else(|| damaged(path, "expected a header of three lines"))?;
+    let (names, half): (&'static [&'static str], bool) = match words[0] {
+        "PF" => (&["R", "G", "B"], false),
+        "Pf" => (&["Y"], false),
+        "PH" => (&["R", "G", "B"], true),
+        "Ph" => (&["Y"], true),
+        _ => return Err(damaged(path, "expected PF, Pf, PH or Ph at the start")),
+    };
+    let number = |word: &str| word.parse::<usize>().ok().filter(|n| *n > 0);
+    let (Some(width), Some(height)) = (number(words[1]), number(words[2])) else {
+        return Err(damaged(path, "expected a width and a height"));
+    };
+    let scale: f32 = words[3].parse().map_err(|_| damaged(path, "expected a scale"))?;
+    Ok(Shape { names, half, little: scale < 0.0, size: Size::new(width, height), start })
 }
 
 fn word(values: &[u8], at: usize, little: bool) -> u32 {
@@ -84,8 +120,8 @@ fn half_word(values: &[u8], at: usize, little: bool) -> u16 {
     if little { u16::from_le_bytes(bytes) } else { u16::from_be_bytes(bytes) }
 }
 
-/// The four words of the header, and the bytes after the one white space that ends it.
-fn header(bytes: &[u8]) -> Option<([&str; 4], &[u8])> {
+/// The four words of the header, and where the values start, after the one white space that ends it.
+fn header(bytes: &[u8]) -> Option<([&str; 4], usize)> {
     let mut rest = bytes;
     let mut words = [""; 4];
     for word in &mut words {
@@ -94,7 +130,7 @@ fn header(bytes: &[u8]) -> Option<([&str; 4], &[u8])> {
         *word = std::str::from_utf8(&rest[start..start + length]).ok()?;
         rest = &rest[start + length..];
     }
-    Some((words, &rest[1..]))
+    Some((words, bytes.len() - rest.len() + 1))
 }
 
 /// Writes the first three channels of `image`, atomically.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::found::Found;
 use super::loaded::{Loaded, ReadOptions, load};
 use super::own::{header_of, is_own, load_own, read_own};
-use super::sources::{Source, read_sources};
+use super::sources::{Open, Source, read_sources};
 use super::together::{alone, several};
 use super::{Carried, FileError, Layers, StackHeader};
 use crate::FeatureStack;
@@ -41,15 +41,20 @@ pub enum Inputs {
 /// # Errors
 /// When a file cannot be read, has no colour, does not fit the others, or leaves open what is what.
 pub fn read_inputs(inputs: &Inputs, options: &ReadOptions) -> Result<ReadStack, FileError> {
+    read_inputs_by(inputs, options, &mut Layers::read)
+}
+
+/// As [`read_inputs`], with files read by `open`.
+pub(super) fn read_inputs_by(inputs: &Inputs, options: &ReadOptions, open: Open<'_>) -> Result<ReadStack, FileError> {
     check_counts(inputs, options)?;
     match inputs {
-        Inputs::Files(files) => read_files(files, options),
-        Inputs::Halves(halves, features) => read_halves(halves, features, options),
+        Inputs::Files(files) => read_files(files, options, open),
+        Inputs::Halves(halves, features) => read_halves(halves, features, options, open),
         Inputs::Buckets(paths) => {
             if paths.len() < 2 {
                 return Err(FileError::TooFewBuckets { found: paths.len() });
             }
-            several(load_renders(paths, options)?, paths, &options.spp, false)
+            several(load_renders(paths, options, open)?, paths, &options.spp, false)
         }
     }
 }
@@ -69,7 +74,7 @@ fn check_counts(inputs: &Inputs, options: &ReadOptions) -> Result<(), FileError>
 /// # Errors
 /// When the file cannot be read or holds no colour.
 pub fn read_stack(path: &Path) -> Result<ReadStack, FileError> {
-    read_files(&[Source::from(path)], &ReadOptions::default())
+    read_inputs(&Inputs::Files(vec![Source::from(path)]), &ReadOptions::default())
 }
 
 /// Reads independent renders of one picture, each with its own colour and features, as the buckets of one stack.
@@ -80,8 +85,8 @@ pub fn read_buckets(paths: &[PathBuf]) -> Result<ReadStack, FileError> {
     read_inputs(&Inputs::Buckets(paths.to_vec()), &ReadOptions::default())
 }
 
-fn read_files(files: &[Source], options: &ReadOptions) -> Result<ReadStack, FileError> {
-    let (layers, said) = read_sources(files)?;
+fn read_files(files: &[Source], options: &ReadOptions, open: Open<'_>) -> Result<ReadStack, FileError> {
+    let (layers, said) = read_sources(files, open)?;
     match header_of(&layers) {
         Some(header) if is_own(&layers) => read_own(layers, header),
         _ => {
@@ -91,19 +96,25 @@ fn read_files(files: &[Source], options: &ReadOptions) -> Result<ReadStack, File
     }
 }
 
-fn load_renders(paths: &[PathBuf], options: &ReadOptions) -> Result<Vec<Loaded>, FileError> {
+fn load_renders(paths: &[PathBuf], options: &ReadOptions, open: Open<'_>) -> Result<Vec<Loaded>, FileError> {
     let mut renders: Vec<Loaded> = Vec::new();
     for (nth, path) in paths.iter().enumerate() {
-        let layers = Layers::read(path)?;
-        let render = if is_own(&layers) { load_own(layers) } else { load(layers, options, nth, true)? };
-        check_size(&render.rest, renders.first().map(|first| &first.rest))?;
+        let layers = open(path)?;
+        let mut render = if is_own(&layers) { load_own(layers) } else { load(layers, options, nth, true)? };
+        if let Some(first) = renders.first() {
+            check_size(&render.rest, &first.rest)?;
+            // Only the first one's are carried along: the others' would take as much memory again.
+            render.rest.channels = Vec::new();
+        }
         renders.push(render);
     }
     Ok(renders)
 }
 
-fn check_size(layers: &Layers, like: Option<&Layers>) -> Result<(), FileError> {
-    let Some(like) = like.filter(|like| like.window.size != layers.window.size) else { return Ok(()) };
+fn check_size(layers: &Layers, like: &Layers) -> Result<(), FileError> {
+    if like.window.size == layers.window.size {
+        return Ok(());
+    }
     Err(FileError::SizeDiffers {
         path: layers.path.clone(),
         like: like.path.clone(),
@@ -113,14 +124,19 @@ fn check_size(layers: &Layers, like: Option<&Layers>) -> Result<(), FileError> {
 }
 
 /// Two renders as halves. What only `features` has is taken from there.
-fn read_halves(halves: &[PathBuf; 2], features: &[Source], options: &ReadOptions) -> Result<ReadStack, FileError> {
-    let renders = load_renders(halves, options)?;
+fn read_halves(
+    halves: &[PathBuf; 2],
+    features: &[Source],
+    options: &ReadOptions,
+    open: Open<'_>,
+) -> Result<ReadStack, FileError> {
+    let renders = load_renders(halves, options, open)?;
     let first_size = renders[0].rest.window.size;
     let mut read = several(renders, halves, &options.spp, true)?;
     if features.is_empty() {
         return Ok(read);
     }
-    let mut more = read_files(features, &ReadOptions { spp: Vec::new(), ..options.clone() })?;
+    let mut more = read_files(features, &ReadOptions { spp: Vec::new(), ..options.clone() }, open)?;
     if more.stack.size() != first_size {
         let (path, like) = (features[0].path.clone(), halves[0].clone());
         return Err(FileError::SizeDiffers { path, like, expected: first_size, found: more.stack.size() });

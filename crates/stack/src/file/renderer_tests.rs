@@ -225,6 +225,40 @@ fn old_blender_wrote_a_variance_of_samples() {
     assert!(read.stack.feature(FeatureRole::Visibility).is_some());
 }
 
+/// The channels of a file of Blender 2.79, as a script that takes such files apart lists them.
+#[test]
+fn blender_2_79_wrote_a_variance_of_samples_for_every_feature() {
+    let folder = Files::new();
+    let rgb = ["Combined", "Denoising Albedo", "Denoising Albedo Variance", "Denoising Image Variance", "Noisy Image"];
+    let layer = |names: &[&str], suffixes: &str| -> Vec<String> {
+        triples(names, suffixes).into_iter().map(|name| format!("interior.{name}")).collect()
+    };
+    let mut channels = layer(&rgb, "RGB");
+    channels.extend(layer(&["Denoising Normal", "Denoising Normal Variance", "Vector"], "XYZ"));
+    channels.extend(layer(&["Denoising Shadow A", "Denoising Shadow B"], "XYV"));
+    channels.extend(layer(&["Denoising Depth", "Denoising Depth Variance", "Depth"], "Z"));
+    let names: Vec<&str> = channels.iter().map(String::as_str).collect();
+    let attributes =
+        [("BlenderMultiChannel", text("Blender V2.55.1 and newer")), ("cycles.interior.samples", text("8"))];
+    let read = read(&folder.exr("old.exr", &names, &noise, &attributes));
+    let expected = [
+        "colour=interior.Noisy Image",
+        "albedo=interior.Denoising Albedo",
+        "normal=interior.Denoising Normal",
+        "depth=interior.Denoising Depth",
+    ];
+    assert_eq!(layers_of(&read), expected);
+    let of = |name: &str, suffixes: &str| {
+        let names: Vec<String> = suffixes.chars().map(|c| format!("interior.{name} Variance.{c}")).collect();
+        Noise::VarianceOfMean(scaled_down(&names.iter().map(String::as_str).collect::<Vec<_>>(), 8.0))
+    };
+    let noise_is = |role| read.stack.feature(role).unwrap().estimate.noise.clone();
+    assert_eq!(colour(&read).noise, of("Denoising Image", "RGB"));
+    assert_eq!(noise_is(FeatureRole::Albedo), of("Denoising Albedo", "RGB"));
+    assert_eq!(noise_is(FeatureRole::Normal), of("Denoising Normal", "XYZ"));
+    assert_eq!(noise_is(FeatureRole::Depth), of("Denoising Depth", "Z"));
+}
+
 #[test]
 fn cycles_own_files() {
     for (name, spp) in [("cy50_naming_64", 4), ("cy50_interleave_64", 4), ("cy50_glossy_512_64spp_a0_d1", 64)] {
@@ -340,6 +374,20 @@ fn noice_features_and_variance() {
     assert!(read.stack.passthrough.iter().any(|c| c.name == "A"), "alpha passes through");
 }
 
+/// The channels of a script that makes files for noice.
+#[test]
+fn noice_takes_channels_without_a_layer_and_attributes_say_arnold() {
+    let folder = Files::new();
+    let mut channels = triples(&["denoise_albedo_noice", "variance"], "RGB");
+    channels.extend(triples(&["N_noice"], "XYZ"));
+    channels.extend(["R", "G", "B", "A", "Z_noice"].map(String::from));
+    let names: Vec<&str> = channels.iter().map(String::as_str).collect();
+    let attributes = [("arnold/aovs/variance/filter", text("variance_filter"))];
+    let read = read(&folder.half("noice.exr", &names, &noise, &attributes));
+    let expected = ["colour=R G B", "albedo=denoise_albedo_noice", "normal=N_noice", "depth=Z_noice", "alpha=A"];
+    assert_eq!((read.found.renderer.as_str(), layers_of(&read)), ("Arnold", expected.map(String::from).to_vec()));
+}
+
 fn scaled_down(names: &[&str], n: f32) -> Image {
     let planes = noise_of(names).channels().iter().map(|plane| plane.iter().map(|v| v / n).collect()).collect();
     Image::from_channels(SIZE, planes)
@@ -363,6 +411,23 @@ fn renderman_prefers_the_variance_of_the_mean() {
     noise_is(FeatureRole::Albedo, &["albedo_mse.r", "albedo_mse.g", "albedo_mse.b"], 1.0);
     noise_is(FeatureRole::Normal, &["normal_var.x", "normal_var.y", "normal_var.z"], 32.0);
     noise_is(FeatureRole::Depth, &["zfiltered_var"], 32.0);
+}
+
+/// What RenderMan's denoiser asked for before it had sample counts, with colour and alpha as `asrgba` names them.
+#[test]
+fn renderman_without_sample_counts_knows_the_noise_of_its_colour() {
+    let folder = Files::new();
+    let rgb = ["mse", "albedo", "albedo_var", "diffuse", "diffuse_mse", "specular", "specular_mse"];
+    let mut channels = triples(&rgb, "rgb");
+    channels.extend(triples(&["normal", "normal_var", "forward", "backward", "__Pworld"], "xyz"));
+    channels.extend(["R", "G", "B", "A", "zfiltered", "zfiltered_var"].map(String::from));
+    let names: Vec<&str> = channels.iter().map(String::as_str).collect();
+    let read = read(&folder.half("renderman.exr", &names, &noise, &[]));
+    let expected =
+        ["colour=R G B", "position=__Pworld", "albedo=albedo", "normal=normal", "depth=zfiltered", "alpha=A"];
+    assert_eq!((read.found.renderer.as_str(), layers_of(&read)), ("RenderMan", expected.map(String::from).to_vec()));
+    assert_eq!(colour(&read).noise, Noise::VarianceOfMean(noise_of(&["mse.r", "mse.g", "mse.b"])));
+    assert!(read.notes.iter().any(|note| note.contains("albedo_var") && note.contains("--spp")), "{:?}", read.notes);
 }
 
 #[test]
@@ -448,6 +513,42 @@ fn halves_of_different_lengths_and_features_from_elsewhere() {
     assert!(matches!(read_inputs(&inputs, &options), Err(FileError::SampleCounts { given: 3, .. })));
     let same = Inputs::Halves([a.clone(), a], Vec::new());
     assert!(matches!(read_inputs(&same, &ReadOptions::default()), Err(FileError::SameNoise { .. })));
+}
+
+#[test]
+fn adaptive_halves_count_pixel_by_pixel_and_are_read_again_as_they_were() {
+    let folder = Files::new();
+    let half = |name: &'static str, n: fn(usize) -> f32| {
+        let values = move |channel: &str, pixel: usize| match channel {
+            "samples.Y" => n(pixel),
+            colour => noise(&format!("{name}{colour}"), pixel),
+        };
+        folder.exr(name, &["R", "G", "B", "samples.Y"], &values, &[])
+    };
+    let a = half("a.exr", |pixel| [4.0, 16.0, 0.0][pixel % 3]);
+    let b = half("b.exr", |pixel| [12.0, 1.0, 0.0][pixel % 3]);
+    let read = read_inputs(&Inputs::Halves([a, b], Vec::new()), &ReadOptions::default()).unwrap();
+    let means = &colour(&read).mean.channels()[0];
+    for (pixel, [n_a, n_b]) in [[4.0, 12.0], [16.0, 1.0], [1.0, 1.0]].into_iter().enumerate() {
+        let expected = (n_a * noise("a.exrR", pixel) + n_b * noise("b.exrR", pixel)) / (n_a + n_b);
+        assert!((means[pixel] - expected).abs() < 1e-6, "{n_a} and {n_b} samples");
+    }
+    assert_eq!(read.found.spp.as_ref().map(|spp| (spp.min, spp.max)), Some((2, 17)));
+    let again = folder.path("again.exr");
+    let header = StackHeader::of(&read.stack, serde_json::json!({}));
+    write_stack(&again, &read.stack, true, &header, &[], &read.carried).unwrap();
+    assert_eq!(read_stack(&again).unwrap().stack, read.stack);
+}
+
+#[test]
+fn halves_of_an_adaptive_file_are_the_even_and_the_odd_samples_of_each_pixel() {
+    let folder = Files::new();
+    let channels = ["color.R", "color.G", "color.B", "colorA.R", "colorA.G", "colorA.B", "colorB.R", "colorB.G"];
+    let channels = [&channels[..], &["colorB.B", "samples.Y"]].concat();
+    let values = |name: &str, pixel: usize| if name == "samples.Y" { 2.0 + pixel as f32 } else { noise(name, pixel) };
+    let read = read(&folder.exr("adaptive.exr", &channels, &values, &[]));
+    let halves = |pixel| [0, 1].map(|half| read.stack.samples.in_group(pixel, half, 2));
+    assert_eq!([halves(0), halves(3), halves(4)], [[1, 1], [3, 2], [3, 3]]);
 }
 
 #[test]

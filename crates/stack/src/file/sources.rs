@@ -50,13 +50,16 @@ pub fn is_one_stack(sources: &[Source]) -> bool {
     sources.len() == 1 || parts(sources).is_ok()
 }
 
+/// What reads a file.
+pub type Open<'a> = &'a mut dyn FnMut(&Path) -> Result<Layers, FileError>;
+
 /// Reads `sources` as one file, with what the user says about their roles.
 ///
 /// # Errors
 /// When a file cannot be read, sizes differ, or it is not clear what the files are.
-pub fn read_sources(sources: &[Source]) -> Result<(Layers, Vec<Mapping>), FileError> {
+pub fn read_sources(sources: &[Source], open: Open<'_>) -> Result<(Layers, Vec<Mapping>), FileError> {
     if let [Source { path, slot: None }] = sources {
-        return Ok((Layers::read(path)?, Vec::new()));
+        return Ok((open(path)?, Vec::new()));
     }
     let parts = parts(sources)?;
     let mut files: Vec<(&Source, &Part)> = sources.iter().zip(&parts).collect();
@@ -69,7 +72,7 @@ pub fn read_sources(sources: &[Source]) -> Result<(Layers, Vec<Mapping>), FileEr
     let mut whole: Option<Layers> = None;
     let mut mappings = Vec::new();
     for (source, part) in files {
-        let mut layers = Layers::read(&source.path)?;
+        let mut layers = open(&source.path)?;
         let prefix = match part {
             Part::Main => None,
             Part::Slot(slot, name) => {

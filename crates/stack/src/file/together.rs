@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::counts::Spp;
 use super::emission::split_emission;
 use super::independence::check_independent;
 use super::loaded::{Loaded, Plane, mend_all};
@@ -35,6 +36,10 @@ pub fn alone(render: Loaded) -> ReadStack {
 fn counts_alone(render: &mut Loaded) -> SampleCounts {
     let pixels = render.rest.window.size.pixels();
     let halves = render.planes.iter().find(|plane| plane.halves.is_some());
+    if let Some(spp) = render.spp.as_ref().filter(|spp| halves.is_some() && !spp.is_uniform()) {
+        let half = |of: fn(u32) -> u32| spp.total.iter().map(|n| of((*n).max(1))).collect();
+        return SampleCounts::per_pixel(vec![half(|n| n.div_ceil(2)), half(|n| n / 2)]);
+    }
     let per_bucket = match (&render.spp, halves) {
         (Some(spp), Some(_)) => {
             let n = spp.mean().round() as u32;
@@ -84,7 +89,7 @@ pub fn several(
     let colours: Vec<&Image> = renders.iter().filter_map(|r| r.plane(Role::Colour)).map(|p| &p.mean).collect();
     check_independent(paths, &colours)?;
     mend_all(&mut renders);
-    let samples = counts_of(&mut renders, given);
+    let samples = counts_of(&renders, given);
     for render in &mut renders {
         render.planes.iter_mut().for_each(|plane| (plane.halves, plane.measured) = (None, None));
         split_emission(&mut render.planes, &mut render.found.remarks);
@@ -136,23 +141,23 @@ fn missing(path: &std::path::Path, role: Role) -> FileError {
     }
 }
 
-/// Samples of each render: as given, else what all the files say, else equally many.
-fn counts_of(renders: &mut [Loaded], given: &[u32]) -> SampleCounts {
+/// Samples of each render: as given, else what all the files say, pixel by pixel where that differs, else equally many.
+fn counts_of(renders: &[Loaded], given: &[u32]) -> SampleCounts {
     let pixels = renders[0].rest.window.size.pixels();
     if given.len() == renders.len() {
         return SampleCounts::uniform(pixels, given.to_vec());
     }
     let known: Option<Vec<_>> = renders.iter().map(|render| render.spp.clone()).collect();
     let Some(known) = known else { return SampleCounts::uniform(pixels, vec![1; renders.len()]) };
-    let per_bucket: Vec<u32> = known.iter().map(|spp| spp.mean().round() as u32).collect();
-    let mut total = vec![0_u32; pixels];
-    for spp in &known {
-        total.iter_mut().zip(&spp.total).for_each(|(sum, n)| *sum = sum.saturating_add(*n));
+    if known.iter().all(Spp::is_uniform) {
+        return SampleCounts::uniform(pixels, known.iter().map(|spp| spp.total[0].max(1)).collect());
     }
-    if total.iter().any(|n| *n != total[0]) {
-        renders[0].found.remarks.push("samples differ from pixel to pixel: a render counts with its mean".into());
+    let mut planes: Vec<Vec<u32>> = known.into_iter().map(|spp| spp.total).collect();
+    // Where no render admits to a sample, they count alike: each has a value there.
+    for pixel in (0..pixels).filter(|pixel| planes.iter().all(|plane| plane[*pixel] == 0)).collect::<Vec<_>>() {
+        planes.iter_mut().for_each(|plane| plane[pixel] = 1);
     }
-    SampleCounts { first: 0, total, dealing: Dealing::PerBucket(per_bucket) }
+    SampleCounts::per_pixel(planes)
 }
 
 fn finish(render: Loaded, samples: SampleCounts, estimates: Vec<(Role, Estimate)>) -> ReadStack {

@@ -7,7 +7,10 @@ use serde::{Deserialize, Serialize};
 use super::borrowed::BorrowedSamples;
 use super::layers::{Frame, write_channels};
 use super::{Carried, FileError};
-use crate::{ComponentRole, Dealing, Estimate, FeatureRole, FeatureStack, Image, Noise};
+use crate::{ComponentRole, Dealing, Estimate, FeatureRole, FeatureStack, Image, Noise, SampleCounts};
+
+/// Layer of sample counts.
+pub(super) const SAMPLES: &str = "samples";
 
 /// What a stack's file says about itself, beside its channels.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -32,6 +35,7 @@ impl StackHeader {
         let header = Self { first: stack.samples.first, sequences: buckets, buckets, per_bucket: None, settings };
         match &stack.samples.dealing {
             Dealing::Numbered { sequences, .. } => Self { sequences: *sequences, ..header },
+            Dealing::PerPixel(_) => header,
             Dealing::PerBucket(counts) if counts.len() < 2 || is_even(counts, &stack.samples.total) => header,
             Dealing::PerBucket(counts) => Self { per_bucket: Some(counts.clone()), ..header },
         }
@@ -74,15 +78,26 @@ pub fn write_stack(
             channels.push((full_name(layer.name, channel), BorrowedSamples::Float(plane)));
         }
     }
-    let samples: Vec<f32> = stack.samples.total.iter().map(|&n| n as f32).collect();
+    let counts = if with_inputs { count_planes(&stack.samples) } else { Vec::new() };
     if with_inputs {
         push_inputs(&mut channels, stack);
-        channels.push(("samples.Y".into(), BorrowedSamples::Float(&samples)));
+        channels.extend(counts.iter().map(|(name, plane)| (name.clone(), BorrowedSamples::Float(plane))));
     }
     channels.extend(stack.passthrough.iter().map(|c| (c.name.clone(), BorrowedSamples::Any(&c.samples))));
     let metadata = serde_json::to_value(header).ok();
     let frame = Frame { window: stack.window, film: stack.film, carried };
     write_channels(path, frame, metadata.as_ref(), channels)
+}
+
+/// Samples of every pixel, and those in each bucket where they do not follow from them.
+fn count_planes(samples: &SampleCounts) -> Vec<(String, Vec<f32>)> {
+    let plane = |counts: &Vec<u32>| counts.iter().map(|&n| n as f32).collect();
+    let mut planes = vec![(full_name(SAMPLES, "Y"), plane(&samples.total))];
+    if let Dealing::PerPixel(buckets) = &samples.dealing {
+        let layer = |b| full_name(&bucket_layer(SAMPLES, b, buckets.len()), "Y");
+        planes.extend(buckets.iter().enumerate().map(|(b, counts)| (layer(b), plane(counts))));
+    }
+    planes
 }
 
 type Channels<'a> = Vec<(String, BorrowedSamples<'a>)>;
@@ -132,8 +147,8 @@ fn full_name(layer: &str, channel: &str) -> String {
 pub(super) fn may_write(name: &str) -> bool {
     let Some((layer, _)) = name.rsplit_once('.') else { return ["R", "G", "B"].contains(&name) };
     let components = ComponentRole::ALL.map(ComponentRole::layer);
-    let mut inputs = components.into_iter().chain(FeatureRole::ALL.map(FeatureRole::layer));
+    let mut inputs = components.into_iter().chain(FeatureRole::ALL.map(FeatureRole::layer)).chain([SAMPLES]);
     let is_estimate = |rest: &str| ["", "A", "B", "Variance"].contains(&rest) || rest.starts_with(".bucket");
-    ["samples", "mse", "spikes", "bandwidth", "rank"].contains(&layer)
+    ["mse", "spikes", "bandwidth", "rank"].contains(&layer)
         || inputs.any(|input| layer.strip_prefix(input).is_some_and(is_estimate))
 }

@@ -84,7 +84,7 @@ impl Film {
         match self.counts.dealing {
             Dealing::Numbered { sequences, buckets } => [sequences, buckets],
             // A film is made with numbered samples only.
-            Dealing::PerBucket(_) => [0, 0],
+            Dealing::PerBucket(_) | Dealing::PerPixel(_) => [0, 0],
         }
     }
 

@@ -12,7 +12,7 @@ const PIXELS: usize = 1000;
 const WORST: f64 = 2e-3;
 
 /// Writes `file`: numbers of four bytes, the lower first, and a row for each of some pixels. A row is what the network is
-/// told, then ⟨d, t − x⟩, ⟨d, d⟩ and ⟨x − r₁, x − r₂⟩ at the pixel, and the mean error of the better picture, but no less
+/// told, what is at stake there, then ⟨d, t − x⟩, ⟨d, d⟩ and ⟨x − r₁, x − r₂⟩ at the pixel, and the mean error of the better picture, but no less
 /// than a tenth of that of x. All are relative to r² + 0.001, r the mean of the references; x is the first of
 /// `pictures`, d what the guide, the second, exceeds it by, t = r.
 ///
@@ -26,7 +26,7 @@ pub fn write_lesson(file: &Path, hearing: &Hearing, pictures: [&Image; 2], refer
     let step = (pixels / PIXELS).max(1) | 1;
     let mut bytes = Vec::new();
     for pixel in (0..pixels).step_by(step) {
-        let row = hearing.told(pixel).into_iter().chain(costs[pixel]).chain([better]);
+        let row = hearing.told(pixel).into_iter().chain([hearing.stake(pixel)]).chain(costs[pixel]).chain([better]);
         bytes.extend(row.flat_map(f32::to_le_bytes));
     }
     std::fs::write(file, bytes).with_context(|| format!("{}: cannot write", file.display()))

@@ -179,3 +179,23 @@ fn without_buckets_there_is_an_error() {
     let error = split(&component, &eight_each(SIZE), &settings()).unwrap_err();
     assert!(matches!(error, ReconstructError::NoBuckets { layer: "noisy" }));
 }
+
+#[test]
+fn unequal_halves_are_turned_into_equal_ones_that_know_nothing_of_each_other() {
+    let (mut noise, count) = (TestNoise(5), 40_000);
+    let (a, b) = (9.0_f32, 5.0_f32);
+    let [x, y] = [a, b].map(|n| noise.normals(count, 2.0, (1.0 / n).sqrt()));
+    let found: Vec<[f32; 2]> = x.iter().zip(&y).map(|(x, y)| balanced([*x, *y], [a, b])).collect();
+    let moment = |f: &dyn Fn(&[f32; 2]) -> f32| found.iter().map(f).sum::<f32>() / count as f32;
+    for half in 0..2 {
+        let variance = moment(&|v| (v[half] - 2.0).powi(2));
+        assert!((variance / (2.0 / (a + b)) - 1.0).abs() < 0.03, "{half}: {variance}");
+    }
+    assert!(moment(&|v| (v[0] - 2.0) * (v[1] - 2.0)).abs() < 0.02 * 2.0 / (a + b));
+    let mean = |i: usize| (a * x[i] + b * y[i]) / (a + b);
+    assert!(found.iter().enumerate().all(|(i, [p, q])| (0.5 * (p + q) - mean(i)).abs() < 1e-5));
+    assert_eq!(balanced([1.0, 3.0], [4.0, 4.0]), [1.0, 3.0]);
+    assert_eq!(balanced([1.0, 1.0], [4.0, 0.0]), [1.0, 1.0], "the other repeated");
+    let uneven = |n| balanced([0.5, 3.0], n);
+    assert_eq!(uneven([9.0, 1.0]), uneven([2.0, 1.0]), "no half counts for more than twice the other");
+}

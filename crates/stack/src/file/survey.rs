@@ -1,0 +1,93 @@
+//! What a stack will take in memory, told by the headers of its files alone.
+
+use super::loaded::ReadOptions;
+use super::memory::check_fits;
+use super::read::read_inputs_by;
+use super::{FileError, Inputs, Layers, StackHeader};
+use crate::Size;
+
+/// What is known of a stack before its pixels are read.
+#[derive(Clone, Debug)]
+pub struct Survey {
+    /// Width and height of its images.
+    pub size: Size,
+    /// What its planes will take, in bytes, as [`crate::FeatureStack::bytes`] says of it once it is there.
+    pub bytes: usize,
+    /// Those of them that nobody here interprets; in a renderer's files whose layers are told by their values, these, too.
+    pub passed_through_bytes: usize,
+    /// What our own files say about themselves.
+    pub header: Option<StackHeader>,
+}
+
+/// Looks at the headers of `inputs`: a stack of the same layers, but of one pixel, is put together as the whole one will
+/// be.
+///
+/// # Errors
+/// As [`super::read_inputs`], where headers tell, and when all files together need more memory than is free.
+pub fn survey(inputs: &Inputs, options: &ReadOptions) -> Result<Survey, FileError> {
+    let mut first = None;
+    let one_pixel = read_inputs_by(inputs, options, &mut |path| {
+        let (layers, size) = Layers::outline(path)?;
+        first.get_or_insert_with(|| (path.to_path_buf(), size));
+        Ok(layers)
+    })?;
+    let Some((path, size)) = first else { return Err(FileError::Unclear { reason: "no file given".into() }) };
+    let (bytes, passed) = (one_pixel.stack.bytes(), one_pixel.stack.passed_through_bytes());
+    check_fits(&path, (size.width, size.height), bytes)?;
+    let of_all = |bytes: usize| bytes.saturating_mul(size.pixels());
+    let (bytes, passed_through_bytes) = (of_all(bytes), of_all(passed));
+    Ok(Survey { size, bytes, passed_through_bytes, header: one_pixel.header })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use super::super::test_files::{Files, SIZE, noise, shared};
+    use super::*;
+    use crate::Image;
+    use crate::file::{Source, read_inputs, write_pfm};
+
+    fn files(paths: &[PathBuf]) -> Inputs {
+        Inputs::Files(paths.iter().map(|path| Source::from(path.as_path())).collect())
+    }
+
+    fn agrees(inputs: &Inputs) {
+        let survey = survey(inputs, &ReadOptions::default()).unwrap();
+        let stack = read_inputs(inputs, &ReadOptions::default()).unwrap().stack;
+        let told = (survey.size, survey.bytes, survey.passed_through_bytes);
+        assert_eq!(told, (stack.size(), stack.bytes(), stack.passed_through_bytes()));
+        assert!(survey.bytes > SIZE.pixels() * 12);
+    }
+
+    #[test]
+    fn headers_tell_what_the_stack_will_take() {
+        let folder = Files::new();
+        let names = ["R", "G", "B", "albedo.R", "albedo.G", "albedo.B", "normal.X", "normal.Y", "normal.Z", "depth.Z"];
+        let with_light = [&names[..], &["key.R", "key.G", "key.B"]].concat();
+        agrees(&files(&[folder.half("half.exr", &with_light, &noise, &[])]));
+        agrees(&files(&[folder.parts("parts.exr", &[("beauty", &names), ("crypto00", &["R"])], &[])]));
+        let bucket = |b: usize| {
+            folder.exr(&format!("b{b}.exr"), &with_light, &|name, pixel| noise(&format!("{b}{name}"), pixel), &[])
+        };
+        let buckets: Vec<PathBuf> = (0..3).map(bucket).collect();
+        agrees(&Inputs::Buckets(buckets.clone()));
+        let halves = [buckets[0].clone(), buckets[1].clone()];
+        let more = folder.exr("more.exr", &["R", "G", "B", "P.X", "P.Y", "P.Z"], &noise, &[]);
+        agrees(&Inputs::Halves(halves, vec![Source::from(more.as_path())]));
+        let (colour, albedo) = (folder.path("a.hdr.pfm"), folder.path("a.alb.pfm"));
+        for path in [&colour, &albedo] {
+            write_pfm(path, &Image::zeros(SIZE, 3)).unwrap();
+        }
+        agrees(&files(&[colour, albedo]));
+    }
+
+    #[test]
+    fn layers_that_are_told_by_their_values_take_as_much() {
+        let Some(folder) = shared("mitsuba") else { return };
+        let file = files(&[folder.join("mi_cornell_256_16spp_aov.exr")]);
+        let foreseen = survey(&file, &ReadOptions::default()).unwrap();
+        let stack = read_inputs(&file, &ReadOptions::default()).unwrap().stack;
+        assert_eq!(foreseen.bytes, stack.bytes());
+    }
+}
