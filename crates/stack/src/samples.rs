@@ -78,7 +78,7 @@ impl SampleCounts {
     /// Pixel `p` has `planes[b][p]` samples in bucket `b`.
     pub fn per_pixel(planes: Vec<Vec<u32>>) -> Self {
         let pixels = planes.first().map_or(0, Vec::len);
-        let total = (0..pixels).map(|pixel| planes.iter().map(|plane| plane[pixel]).sum()).collect();
+        let total = (0..pixels).map(|pixel| sum_of(&planes, pixel, 0, 1)).collect();
         Self { first: 0, total, dealing: Dealing::PerPixel(planes) }
     }
 
@@ -95,7 +95,7 @@ impl SampleCounts {
     /// group `b mod groups`): with `groups` = number of buckets a bucket's own count, with 2 a half's.
     pub fn in_group(&self, pixel: usize, group: usize, groups: usize) -> u32 {
         match &self.dealing {
-            Dealing::PerPixel(planes) => planes.iter().skip(group).step_by(groups).map(|plane| plane[pixel]).sum(),
+            Dealing::PerPixel(planes) => sum_of(planes, pixel, group, groups),
             _ => self.of_total(self.total[pixel], group, groups).unwrap_or(0),
         }
     }
@@ -131,6 +131,11 @@ impl SampleCounts {
         let least = self.total.iter().copied().min().unwrap_or(0);
         (mean, least, self.total.iter().copied().max().unwrap_or(0))
     }
+}
+
+/// Samples of `pixel` in those of the buckets' planes that make a group; at most what a number can hold.
+fn sum_of(planes: &[Vec<u32>], pixel: usize, group: usize, groups: usize) -> u32 {
+    planes.iter().skip(group).step_by(groups).fold(0, |sum, plane| sum.saturating_add(plane[pixel]))
 }
 
 /// Totals up to which counts are looked up, where these tell them; those of other pixels are counted anew.

@@ -92,8 +92,8 @@ pub fn split(
         return Err(ReconstructError::NoBuckets { layer: component.role.layer() });
     };
     let size = component.radiance.mean.size();
-    // Our own halves differ by a sample or so.
-    let may_differ = !matches!(counts.dealing, Dealing::Numbered { .. });
+    // Our own differ by a sample or so where they come in pairs of buckets.
+    let may_differ = !matches!(counts.dealing, Dealing::Numbered { .. }) || buckets.len() % 2 == 1;
     let (of_halves, counts) = (counts.grouped(2), counts.grouped(buckets.len()));
     let luminances: Vec<Vec<f32>> = (0..buckets.len())
         .into_par_iter()

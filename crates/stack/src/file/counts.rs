@@ -56,7 +56,8 @@ pub fn take_spp(layers: &mut Layers, recognised: &Recognised, given: Option<u32>
     }
 }
 
-fn rounded(plane: &[f32], scale: f64) -> Vec<u32> {
+/// A plane of counts in units of `scale`, no more than can be believed.
+pub fn rounded(plane: &[f32], scale: f64) -> Vec<u32> {
     plane.iter().map(|v| ((f64::from(*v) * scale).round() as u32).min(MOST)).collect()
 }
 

@@ -1,6 +1,6 @@
 //! Reads what Tamis wrote.
 
-use super::counts::Spp;
+use super::counts::{Spp, rounded};
 use super::found::{Found, FoundRole};
 use super::loaded::{Loaded, Plane, take_image};
 use super::role::Role;
@@ -58,7 +58,7 @@ pub fn read_own(mut layers: Layers, header: StackHeader) -> Result<ReadStack, Fi
 
 fn take_counts(layers: &mut Layers, header: &StackHeader) -> Result<SampleCounts, FileError> {
     let plane = |layers: &mut Layers, layer: &str| -> Option<Vec<u32>> {
-        Some(layers.take(&format!("{layer}.Y"))?.into_iter().map(|n| n as u32).collect())
+        Some(rounded(&layers.take(&format!("{layer}.Y"))?, 1.0))
     };
     let total = plane(layers, SAMPLES).ok_or_else(|| missing("sample counts", "samples.Y", layers))?;
     let buckets = header.buckets as usize;
@@ -132,8 +132,7 @@ pub fn load_own(mut layers: Layers) -> Loaded {
         planes.extend(mean.map(|mean| plane(Role::Feature(role), mean)));
     }
     let total = layers.take("samples.Y");
-    let total = total.map(|total| total.into_iter().map(|n| n as u32).collect());
-    let spp = total.map(|total| Spp { total, from: "samples.Y".into() });
+    let spp = total.map(|total| Spp { total: rounded(&total, 1.0), from: "samples.Y".into() });
     layers.channels.retain(|channel| !is_own_channel(&channel.name));
     let mut found = Found { renderer: "Tamis".into(), spp: spp.as_ref().map(Spp::found), ..Found::default() };
     found.roles = planes

@@ -11,7 +11,8 @@ use crate::Size;
 pub struct Survey {
     /// Width and height of its images.
     pub size: Size,
-    /// What its planes will take, in bytes, as [`crate::FeatureStack::bytes`] says of it once it is there.
+    /// What its planes will take, in bytes, as [`crate::FeatureStack::bytes`] says of it once it is there; without the sample
+    /// counts of each bucket where these turn out to differ from pixel to pixel.
     pub bytes: usize,
     /// Those of them that nobody here interprets; in a renderer's files whose layers are told by their values, these, too.
     pub passed_through_bytes: usize,

@@ -12,8 +12,8 @@ const PIXELS: usize = 1000;
 const WORST: f64 = 2e-3;
 
 /// Writes `file`: numbers of four bytes, the lower first, and a row for each of some pixels. A row is what the network is
-/// told, what is at stake there, then ⟨d, t − x⟩, ⟨d, d⟩ and ⟨x − r₁, x − r₂⟩ at the pixel, and the mean error of the better picture, but no less
-/// than a tenth of that of x. All are relative to r² + 0.001, r the mean of the references; x is the first of
+/// told, what is at stake there, then ⟨d, t − x⟩, ⟨d, d⟩ and ⟨x − r₁, x − r₂⟩ at the pixel, and the mean error of the better
+/// picture, but no less than a tenth of that of x. All are relative to r² + 0.001, r the mean of the references; x is the first of
 /// `pictures`, d what the guide, the second, exceeds it by, t = r.
 ///
 /// # Errors
