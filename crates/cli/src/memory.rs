@@ -118,18 +118,19 @@ fn in_words(bytes: f64) -> String {
 pub struct Need {
     size: Size,
     stack: f64,
-    passed: f64,
+    /// See [`FeatureStack::staying_bytes`].
+    stays: f64,
 }
 
 impl From<&FeatureStack> for Need {
     fn from(stack: &FeatureStack) -> Self {
-        Self { size: stack.size(), stack: stack.bytes() as f64, passed: stack.passed_through_bytes() as f64 }
+        Self { size: stack.size(), stack: stack.bytes() as f64, stays: stack.staying_bytes() as f64 }
     }
 }
 
 impl From<&Survey> for Need {
     fn from(survey: &Survey) -> Self {
-        Self { size: survey.size, stack: survey.bytes as f64, passed: survey.passed_through_bytes as f64 }
+        Self { size: survey.size, stack: survey.bytes as f64, stays: survey.staying_bytes as f64 }
     }
 }
 
@@ -143,14 +144,14 @@ impl Need {
             return Ok(Plan { free: false, rows: usize::MAX });
         }
         let beside = if then.guide { GUIDED_LATE } else { PREPARING };
-        let before = (self.stack + pixels * beside).max(self.passed + pixels * REBUILDING);
+        let before = (self.stack + pixels * beside).max(self.stays + pixels * REBUILDING);
         if before > most {
             return Err(before + PROGRAM);
         }
-        if self.passed + pixels * WHOLE <= most {
+        if self.stays + pixels * WHOLE <= most {
             return Ok(Plan { free: true, rows: usize::MAX });
         }
-        let share = ((most - self.passed) / pixels - KEPT) / AT_ONCE;
+        let share = ((most - self.stays) / pixels - KEPT) / AT_ONCE;
         let rows = (share * self.size.height as f64 - MARGIN).max(1.0) as usize;
         Ok(Plan { free: true, rows })
     }
@@ -191,7 +192,7 @@ mod tests {
 
     #[test]
     fn less_memory_frees_the_stack_then_cuts_bands_and_then_is_refused() {
-        let need = Need { size: Size::new(1000, 4000), stack: 4e6 * 364.0, passed: 0.0 };
+        let need = Need { size: Size::new(1000, 4000), stack: 4e6 * 364.0, stays: 0.0 };
         let plan = |bytes_per_pixel: f64, output| need.plan(4e6 * bytes_per_pixel, Afterwards { output, guide: false });
         assert_eq!(plan(1000.0, true), Ok(Plan { free: false, rows: usize::MAX }));
         assert_eq!(plan(800.0, true), Ok(Plan { free: true, rows: usize::MAX }));

@@ -26,6 +26,8 @@ stack::knobs! {
         iteration_passes: usize = 2, 1..=2;
         /// Radius of the second pass's window in those rounds, in pixels.
         iteration_second_radius: usize = 8, 1..=32;
+        /// Whether direct and indirect light are rebuilt apart in those rounds.
+        iteration_apart: bool = false, ..;
     }
 }
 
@@ -82,10 +84,11 @@ impl Settings {
     }
 }
 
-/// The method of `best` with few fits in small windows, a smaller prefilter, fewer scales of details, spread events as they
+/// The method of `best` for all light at once, with few fits in small windows, a smaller prefilter, fewer scales of details, spread events as they
 /// fall, and candidates mixed by the rule alone.
 fn fast() -> BestSettings {
     let mut best = BestSettings::default();
+    best.light.apart = false;
     best.features.radius = 2;
     let (first_radius, second_radius) = (5, 7);
     // No window is so tiny that the lattice leaves most pixels to fits of their own.

@@ -16,6 +16,7 @@ mod eight;
 mod emission;
 pub mod exp;
 pub mod guide;
+mod indirect;
 pub mod ln;
 mod lone_light;
 mod method;

@@ -2,12 +2,13 @@
 
 use std::borrow::Cow;
 
-use stack::{Component, ComponentRole, FeatureStack, Image, Monitor};
+use stack::{Component, ComponentRole, Estimate, FeatureStack, Image, Monitor};
 
 use crate::best::{Chooser, Extras, GuideFeatures, Workshop};
 use crate::completion::{Completed, complete};
 use crate::components::{is_lit, sum_of_components, variance_of};
 use crate::emission::{rebuild_emission, with_emission_apart};
+use crate::indirect::{is_part_of, without};
 use crate::method::Method;
 use crate::network::WeightsError;
 use crate::prefilter::{FeatureSet, prefilter};
@@ -88,7 +89,7 @@ pub fn reconstruct_freeing(
     let rebuilt = match made_up {
         None => freeing(stack, settings, extras, monitor)?,
         Some(mut completed) => {
-            (stack.components, stack.features) = Default::default();
+            (stack.components, stack.indirect, stack.features) = Default::default();
             freeing(&mut completed, settings, extras, monitor)?
         }
     };
@@ -104,13 +105,15 @@ fn freeing(
     let features = best::guide_features(stack, &settings.best.features, monitor)?;
     stack.features.clear();
     let mut components = std::mem::take(&mut stack.components);
+    let mut indirect = stack.indirect.take();
     let chooser = chooser(settings)?;
     let task = Collaborative::new(stack, &features, settings, chooser.as_ref(), extras);
     let mut sum = Reconstruction::plain(Image::zeros(stack.size(), 3));
     // The last first: emission is soon done with.
     while let Some(component) = components.pop() {
         if is_lit(&component) {
-            sum.add(task.rebuilt(Cow::Owned(component), monitor)?);
+            let indirect = if component.role == ComponentRole::Scattered { indirect.take() } else { None };
+            sum.add(task.rebuilt(Cow::Owned(component), indirect.map(Cow::Owned), monitor)?);
         }
     }
     Ok(sum)
@@ -146,7 +149,10 @@ fn collaborative(
 ) -> Result<Reconstruction, ReconstructError> {
     let features = best::guide_features(stack, &settings.best.features, monitor)?;
     let task = Collaborative::new(stack, &features, settings, chooser, extras);
-    sum_of_components(stack.size(), &stack.components, |component| task.rebuilt(Cow::Borrowed(component), monitor))
+    sum_of_components(stack.size(), &stack.components, |component| {
+        let indirect = stack.indirect.as_ref().filter(|_| component.role == ComponentRole::Scattered);
+        task.rebuilt(Cow::Borrowed(component), indirect.map(Cow::Borrowed), monitor)
+    })
 }
 
 /// What the network says that comes along, where it is asked.
@@ -171,7 +177,35 @@ impl<'a> Collaborative<'a> {
         Self { workshop: Workshop { stack, features, settings: &settings.best, chooser, extras }, settings }
     }
 
+    /// A component by itself, or without its `indirect` light, and that by itself.
     fn rebuilt(
+        &self,
+        component: Cow<'_, Component>,
+        indirect: Option<Cow<'_, Estimate>>,
+        monitor: &dyn Monitor,
+    ) -> Result<Reconstruction, ReconstructError> {
+        let Some(indirect) = indirect.filter(|indirect| self.is_apart(indirect, &component)) else {
+            return self.rebuilt_whole(component, monitor);
+        };
+        let mut sum = Reconstruction::plain(Image::zeros(self.workshop.stack.size(), 3));
+        let direct = without(component.into_owned(), &indirect);
+        if is_lit(&direct) {
+            sum.add(self.rebuilt_whole(Cow::Owned(direct), monitor)?);
+        }
+        let indirect = Component { role: ComponentRole::Scattered, radiance: indirect.into_owned() };
+        if is_lit(&indirect) {
+            sum.add(self.rebuilt_whole(Cow::Owned(indirect), monitor)?);
+        }
+        Ok(sum)
+    }
+
+    /// Whether `indirect` light is rebuilt by itself. Passes need the weights of the whole.
+    fn is_apart(&self, indirect: &Estimate, component: &Component) -> bool {
+        let Workshop { settings, extras, .. } = self.workshop;
+        settings.light.apart && extras.passes.is_empty() && is_part_of(indirect, &component.radiance)
+    }
+
+    fn rebuilt_whole(
         &self,
         component: Cow<'_, Component>,
         monitor: &dyn Monitor,

@@ -28,6 +28,9 @@ impl ComponentRole {
     }
 }
 
+/// Name of the layer of indirect light in a file.
+pub const INDIRECT: &str = "indirect";
+
 /// One summand of the picture, reconstructed by itself. Three channels of linear radiance, ≥ 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Component {
@@ -100,6 +103,9 @@ pub struct FeatureStack {
     pub samples: SampleCounts,
     /// The picture is their sum. At least one.
     pub components: Vec<Component>,
+    /// Part of what is scattered: what arrived at the surface of the features from other surfaces, not from a lamp or
+    /// the sky. In as many buckets; `None` where a renderer does not keep it apart.
+    pub indirect: Option<Estimate>,
     /// Auxiliary images, in the order of [`FeatureRole::ALL`].
     pub features: Vec<Feature>,
     /// Layers nobody here interprets, carried along.
@@ -124,12 +130,17 @@ impl FeatureStack {
     /// What its planes take, in bytes.
     pub fn bytes(&self) -> usize {
         let components = self.components.iter().map(|component| &component.radiance);
-        let estimates = components.chain(self.features.iter().map(|feature| &feature.estimate));
+        let features = self.features.iter().map(|feature| &feature.estimate);
+        let estimates = components.chain(&self.indirect).chain(features);
         estimates.map(Estimate::bytes).sum::<usize>() + self.samples.bytes() + self.passed_through_bytes()
     }
 
-    /// Those of them that nobody here interprets.
-    pub fn passed_through_bytes(&self) -> usize {
+    /// Those of them that stay until the picture is rebuilt: indirect light, and what nobody here interprets.
+    pub fn staying_bytes(&self) -> usize {
+        self.indirect.as_ref().map_or(0, Estimate::bytes) + self.passed_through_bytes()
+    }
+
+    fn passed_through_bytes(&self) -> usize {
         self.passthrough.iter().map(Passthrough::bytes).sum()
     }
 

@@ -211,6 +211,7 @@ impl State<'_> {
         let rounds = &self.sampling.settings.rounds;
         let mut settings = self.sampling.settings.reconstruction;
         settings.regression.window.radius = rounds.iteration_radius;
+        settings.best.light.apart &= rounds.iteration_apart;
         let fit = &mut settings.best.regression;
         fit.stride = rounds.iteration_stride;
         fit.passes = rounds.iteration_passes;

@@ -17,6 +17,15 @@ stack::knobs! {
 }
 
 stack::knobs! {
+    /// Which parts of the light are rebuilt apart.
+    pub struct LightSettings("light") {
+        /// Whether direct and indirect light are, where a stack keeps them apart: their borders lie elsewhere. It takes
+        /// almost twice the time.
+        apart: bool = true, ..;
+    }
+}
+
+stack::knobs! {
     /// What guides kernels where no feature tells surfaces apart.
     pub struct ColourSettings("colour") {
         /// Weight of a difference in the logarithm of the first pass's picture against one in features; 0 leaves it to the
@@ -150,6 +159,8 @@ stack::knobs! {
 stack::knob_groups! {
     /// Settings of all its steps.
     pub struct BestSettings {
+        /// Parts of the light.
+        light: LightSettings,
         /// Low layer and events.
         split: SplitSettings,
         /// Kernels without features.

@@ -101,6 +101,7 @@ pub fn stack_of(clean: &Image, seed: u64) -> FeatureStack {
         window: Window::whole(size),
         film: size,
         components,
+        indirect: None,
         features: wall_features(size, &counts, &mut noise),
         samples: counts,
         passthrough: Vec::new(),

@@ -98,7 +98,15 @@ mod tests {
         let radiance = Estimate::from_buckets(buckets.collect(), &samples);
         let (features, passthrough) = (Vec::new(), Vec::new());
         let window = Window::whole(SIZE);
-        FeatureStack { window, film: SIZE, samples, components: components(radiance), features, passthrough }
+        FeatureStack {
+            window,
+            film: SIZE,
+            samples,
+            components: components(radiance),
+            indirect: None,
+            features,
+            passthrough,
+        }
     }
 
     #[test]

@@ -116,6 +116,7 @@ fn stack() -> FeatureStack {
         window: Window::whole(SIZE),
         film: SIZE,
         components: vec![Component { role: ComponentRole::Scattered, radiance }],
+        indirect: None,
         samples,
         features,
         passthrough: Vec::new(),

@@ -233,6 +233,7 @@ mod tests {
             film: SIZE,
             samples,
             components: Vec::new(),
+            indirect: None,
             features,
             passthrough: Vec::new(),
         }

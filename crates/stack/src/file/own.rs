@@ -7,7 +7,8 @@ use super::role::Role;
 use super::write::{SAMPLES, bucket_layer};
 use super::{FileError, Layers, ReadStack, StackHeader};
 use crate::{
-    Component, ComponentRole, Dealing, Estimate, Feature, FeatureRole, FeatureStack, Image, Noise, SampleCounts,
+    Component, ComponentRole, Dealing, Estimate, Feature, FeatureRole, FeatureStack, INDIRECT, Image, Noise,
+    SampleCounts,
 };
 
 /// Layers that a reconstruction makes; they are results, never inputs.
@@ -39,6 +40,7 @@ pub fn read_own(mut layers: Layers, header: StackHeader) -> Result<ReadStack, Fi
     if components.is_empty() {
         return Err(missing("colour", "noisy.R noisy.G noisy.B and their buckets", &layers));
     }
+    let indirect = take_estimate(&mut layers, INDIRECT, &["R", "G", "B"], header.buckets as usize, &samples);
     let mut features = Vec::new();
     for role in FeatureRole::ALL {
         let many = layers.has(&format!("{}.bucket0.{}", role.layer(), role.channels()[0]));
@@ -51,7 +53,7 @@ pub fn read_own(mut layers: Layers, header: StackHeader) -> Result<ReadStack, Fi
         |name: &str| RESULTS.iter().any(|r| if r.ends_with('.') { name.starts_with(r) } else { name == *r });
     layers.channels.retain(|channel| !is_result(&channel.name));
     let Layers { window, film, channels: passthrough, carried, .. } = layers;
-    let stack = FeatureStack { window, film, samples, components, features, passthrough };
+    let stack = FeatureStack { window, film, samples, components, indirect, features, passthrough };
     let found = found_in(&stack);
     Ok(ReadStack { stack, header: Some(header), notes: found.lines(), found, carried })
 }
@@ -88,10 +90,11 @@ fn found_in(stack: &FeatureStack) -> Found {
         role(name, c.role.layer(), &["R", "G", "B"])
     };
     let roles = stack.components.iter().map(component);
+    let indirect = stack.indirect.iter().map(|_| role(INDIRECT, INDIRECT, &["R", "G", "B"]));
     let features = stack.features.iter().map(|f| role(f.role.layer(), f.role.layer(), f.role.channels()));
     let spp = Spp { total: stack.samples.total.clone(), from: "samples.Y".into() };
     let mut found = Found { renderer: "Tamis".into(), spp: Some(spp.found()), ..Found::default() };
-    found.roles = roles.chain(features).collect();
+    found.roles = roles.chain(indirect).chain(features).collect();
     found.conclude(stack);
     found
 }
@@ -151,7 +154,8 @@ pub fn load_own(mut layers: Layers) -> Loaded {
 /// Whether a file of ours has the channel `name` for an input or a result.
 fn is_own_channel(name: &str) -> bool {
     let components = ComponentRole::ALL.map(ComponentRole::layer);
-    let mut layers = components.into_iter().chain(FeatureRole::ALL.map(FeatureRole::layer)).chain([SAMPLES]);
+    let mut layers =
+        components.into_iter().chain([INDIRECT]).chain(FeatureRole::ALL.map(FeatureRole::layer)).chain([SAMPLES]);
     let own = |rest: &str| [".", "A.", "B.", "Variance."].iter().any(|form| rest.starts_with(form));
     let is_result = RESULTS.iter().any(|r| if r.ends_with('.') { name.starts_with(r) } else { name == *r });
     is_result || layers.any(|layer| name.strip_prefix(layer).is_some_and(own))

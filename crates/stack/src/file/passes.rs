@@ -130,6 +130,7 @@ mod tests {
             film: size,
             samples: SampleCounts::uniform(2, vec![1]),
             components: Vec::new(),
+            indirect: None,
             features: Vec::new(),
             passthrough,
         }

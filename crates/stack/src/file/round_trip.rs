@@ -38,6 +38,7 @@ fn stack() -> FeatureStack {
         window: Window { x: 2, y: 1, size: SIZE },
         film: Size::new(9, 8),
         components: components.collect(),
+        indirect: Some(buckets(70)),
         features: FeatureRole::ALL.iter().map(|&role| Feature { role, estimate: feature(role) }).collect(),
         passthrough: Vec::new(),
         samples,

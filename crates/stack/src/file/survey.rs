@@ -14,8 +14,9 @@ pub struct Survey {
     /// What its planes will take, in bytes, as [`crate::FeatureStack::bytes`] says of it once it is there; without the sample
     /// counts of each bucket where these turn out to differ from pixel to pixel.
     pub bytes: usize,
-    /// Those of them that nobody here interprets; in a renderer's files whose layers are told by their values, these, too.
-    pub passed_through_bytes: usize,
+    /// Those of them that stay until the picture is rebuilt: indirect light, and what nobody here interprets; in a
+    /// renderer's files whose layers are told by their values, these, too.
+    pub staying_bytes: usize,
     /// What our own files say about themselves.
     pub header: Option<StackHeader>,
 }
@@ -33,11 +34,11 @@ pub fn survey(inputs: &Inputs, options: &ReadOptions) -> Result<Survey, FileErro
         Ok(layers)
     })?;
     let Some((path, size)) = first else { return Err(FileError::Unclear { reason: "no file given".into() }) };
-    let (bytes, passed) = (one_pixel.stack.bytes(), one_pixel.stack.passed_through_bytes());
+    let (bytes, staying) = (one_pixel.stack.bytes(), one_pixel.stack.staying_bytes());
     check_fits(&path, (size.width, size.height), bytes)?;
     let of_all = |bytes: usize| bytes.saturating_mul(size.pixels());
-    let (bytes, passed_through_bytes) = (of_all(bytes), of_all(passed));
-    Ok(Survey { size, bytes, passed_through_bytes, header: one_pixel.header })
+    let (bytes, staying_bytes) = (of_all(bytes), of_all(staying));
+    Ok(Survey { size, bytes, staying_bytes, header: one_pixel.header })
 }
 
 #[cfg(test)]
@@ -56,8 +57,8 @@ mod tests {
     fn agrees(inputs: &Inputs) {
         let survey = survey(inputs, &ReadOptions::default()).unwrap();
         let stack = read_inputs(inputs, &ReadOptions::default()).unwrap().stack;
-        let told = (survey.size, survey.bytes, survey.passed_through_bytes);
-        assert_eq!(told, (stack.size(), stack.bytes(), stack.passed_through_bytes()));
+        let told = (survey.size, survey.bytes, survey.staying_bytes);
+        assert_eq!(told, (stack.size(), stack.bytes(), stack.staying_bytes()));
         assert!(survey.bytes > SIZE.pixels() * 12);
     }
 

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::borrowed::BorrowedSamples;
 use super::layers::{Frame, write_channels};
 use super::{Carried, FileError};
-use crate::{ComponentRole, Dealing, Estimate, FeatureRole, FeatureStack, Image, Noise, SampleCounts};
+use crate::{ComponentRole, Dealing, Estimate, FeatureRole, FeatureStack, INDIRECT, Image, Noise, SampleCounts};
 
 /// Layer of sample counts.
 pub(super) const SAMPLES: &str = "samples";
@@ -106,6 +106,9 @@ fn push_inputs<'a>(channels: &mut Channels<'a>, stack: &'a FeatureStack) {
     for component in &stack.components {
         push_estimate(channels, component.role.layer(), &["R", "G", "B"], &component.radiance);
     }
+    if let Some(indirect) = &stack.indirect {
+        push_estimate(channels, INDIRECT, &["R", "G", "B"], indirect);
+    }
     for feature in &stack.features {
         push_estimate(channels, feature.role.layer(), feature.role.channels(), &feature.estimate);
     }
@@ -147,7 +150,8 @@ fn full_name(layer: &str, channel: &str) -> String {
 pub(super) fn may_write(name: &str) -> bool {
     let Some((layer, _)) = name.rsplit_once('.') else { return ["R", "G", "B"].contains(&name) };
     let components = ComponentRole::ALL.map(ComponentRole::layer);
-    let mut inputs = components.into_iter().chain(FeatureRole::ALL.map(FeatureRole::layer)).chain([SAMPLES]);
+    let mut inputs =
+        components.into_iter().chain([INDIRECT]).chain(FeatureRole::ALL.map(FeatureRole::layer)).chain([SAMPLES]);
     let is_estimate = |rest: &str| ["", "A", "B", "Variance"].contains(&rest) || rest.starts_with(".bucket");
     ["mse", "spikes", "bandwidth", "rank"].contains(&layer)
         || inputs.any(|input| layer.strip_prefix(input).is_some_and(is_estimate))

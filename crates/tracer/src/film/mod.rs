@@ -23,7 +23,7 @@ pub struct Film {
     window: Window,
     size: Size,
     counts: SampleCounts,
-    /// One image per bucket, its channels being scattered and emitted radiance.
+    /// One image per bucket, its channels being scattered, emitted and indirect radiance.
     radiance: Vec<Image>,
     /// One image per group of buckets (even, odd), its channels being those of all features in order.
     features: Vec<Image>,

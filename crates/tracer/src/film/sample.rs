@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-/// Channels of radiance: scattered, then emission.
-pub(super) const RADIANCE_CHANNELS: usize = 6;
+/// Channels of radiance: scattered, emission, indirect.
+pub(super) const RADIANCE_CHANNELS: usize = 9;
 /// Channels of features, in the order of [`stack::FeatureRole::ALL`].
 pub(super) const FEATURE_CHANNELS: usize = 11;
 
@@ -31,6 +31,8 @@ pub struct SampleRecord {
     pub scattered: Vec3,
     /// Emission and sky seen directly, or by way of perfect mirrors and clear glass only.
     pub emission: Vec3,
+    /// Part of what is scattered: what arrived at the feature hit from other surfaces.
+    pub indirect: Vec3,
     /// What the path saw on its way.
     pub features: FeatureRecord,
 }
@@ -39,11 +41,13 @@ impl SampleRecord {
     /// Replaces a radiance, or the features, by zero where a value is not finite. Whether there was one.
     pub fn make_finite(&mut self) -> bool {
         let mut replaced = false;
-        for radiance in [&mut self.scattered, &mut self.emission] {
-            if !radiance.is_finite() {
-                *radiance = Vec3::ZERO;
-                replaced = true;
-            }
+        if !self.emission.is_finite() {
+            self.emission = Vec3::ZERO;
+            replaced = true;
+        }
+        if !(self.scattered.is_finite() && self.indirect.is_finite()) {
+            (self.scattered, self.indirect) = (Vec3::ZERO, Vec3::ZERO);
+            replaced = true;
         }
         if !self.feature_channels().iter().all(|v| v.is_finite()) {
             self.features = FeatureRecord::default();
@@ -54,8 +58,8 @@ impl SampleRecord {
 
     /// The radiance, channel by channel.
     pub(super) fn radiance_channels(&self) -> [f32; RADIANCE_CHANNELS] {
-        let (s, e) = (self.scattered, self.emission);
-        [s.x, s.y, s.z, e.x, e.y, e.z]
+        let (s, e, i) = (self.scattered, self.emission, self.indirect);
+        [s.x, s.y, s.z, e.x, e.y, e.z, i.x, i.y, i.z]
     }
 
     /// The features, channel by channel.
@@ -75,7 +79,7 @@ mod tests {
         let mut record = sound;
         assert!(!record.make_finite());
         assert_eq!(record, sound);
-        record.scattered.y = f32::NAN;
+        (record.scattered.y, record.indirect) = (f32::NAN, Vec3::Y);
         record.features.depth = f32::INFINITY;
         assert!(record.make_finite());
         assert_eq!(record, SampleRecord { emission: Vec3::X, ..SampleRecord::default() });

@@ -1,7 +1,8 @@
 //! A film as a feature stack, and back.
 
 use stack::{
-    Component, ComponentRole, Dealing, Estimate, Feature, FeatureRole, FeatureStack, Image, Noise, SampleCounts,
+    Component, ComponentRole, Dealing, Estimate, Feature, FeatureRole, FeatureStack, INDIRECT, Image, Noise,
+    SampleCounts,
 };
 
 use super::sample::{FEATURE_CHANNELS, RADIANCE_CHANNELS};
@@ -11,6 +12,9 @@ use super::{Film, NotAFilm, feature_groups};
 fn component_channels() -> impl Iterator<Item = (ComponentRole, usize, usize)> {
     ComponentRole::ALL.into_iter().enumerate().map(|(i, role)| (role, 3 * i, 3 * i + 3))
 }
+
+/// The same of indirect light, behind all components.
+const INDIRECT_CHANNELS: [usize; 2] = [3 * ComponentRole::ALL.len(), RADIANCE_CHANNELS];
 
 /// First and one past the last channel of each feature in a group's image.
 fn feature_channels() -> impl Iterator<Item = (FeatureRole, usize, usize)> {
@@ -32,7 +36,7 @@ fn cut(groups: &mut [Image], first: usize, end: usize, counts: &SampleCounts) ->
 }
 
 impl Film {
-    /// The film as a feature stack: both components with all buckets, all features as halves (without noise when there
+    /// The film as a feature stack: both components and indirect light with all buckets, all features as halves (without noise when there
     /// is only one bucket).
     pub fn to_stack(&self) -> FeatureStack {
         self.clone().into_stack()
@@ -44,6 +48,8 @@ impl Film {
         let components = component_channels()
             .map(|(role, first, end)| Component { role, radiance: cut(&mut self.radiance, first, end, counts) })
             .collect();
+        let [first, end] = INDIRECT_CHANNELS;
+        let indirect = Some(cut(&mut self.radiance, first, end, counts));
         let features = feature_channels()
             .map(|(role, first, end)| Feature { role, estimate: cut(&mut self.features, first, end, counts) })
             .collect();
@@ -52,6 +58,7 @@ impl Film {
             film: self.size,
             samples: self.counts,
             components,
+            indirect,
             features,
             passthrough: vec![],
         }
@@ -73,6 +80,7 @@ impl Film {
             let found = components.iter().position(|c| c.role == role).map(|i| components.swap_remove(i).radiance);
             append(&mut radiance, found, role.layer(), 3, size)?;
         }
+        append(&mut radiance, stack.indirect, INDIRECT, 3, size)?;
         let mut all = stack.features;
         for role in FeatureRole::ALL {
             let found = all.iter().position(|f| f.role == role).map(|i| all.swap_remove(i).estimate);

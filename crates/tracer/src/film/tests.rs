@@ -13,6 +13,7 @@ fn settings(sequences: u32, buckets: u32) -> TraceSettings {
 fn record(pixel: usize, index: u32) -> SampleRecord {
     let value = (pixel % 7) as f32 + (index * index % 11) as f32;
     SampleRecord {
+        indirect: Vec3::ZERO,
         scattered: Vec3::new(value, 2.0 * value, 3.0 * value),
         emission: Vec3::splat(0.5 * value),
         features: FeatureRecord {

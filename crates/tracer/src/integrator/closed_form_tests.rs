@@ -59,6 +59,24 @@ fn a_furnace_seen_from_inside_is_a_geometric_series() {
     }
 }
 
+/// What arrives at the first surface from the second and those behind it: for a matt one from the third term of the
+/// series on. Behind a mirror there are but mirrors, and all is emission.
+#[test]
+fn indirect_light_is_what_other_surfaces_send() {
+    for (surface, reflectance) in [(diffuse(0.5), 0.5), (Surface::Mirror { reflectance: grey(0.5) }, 0.0_f64)] {
+        let scene = Pieces::default().sphere(-1.0, (surface, 1.0)).under(None);
+        for max_depth in [1, 3, 64] {
+            let settings = TraceSettings { max_depth, ..DEFAULT };
+            let (stack, _) = render(&scene, &peering(Vec3::ZERO, Vec3::new(0.3, 0.2, 1.0)), 512, &settings);
+            let expected: f64 = (2..=max_depth as i32).map(|k| reflectance.powi(k)).sum();
+            let indirect = &stack.indirect.as_ref().unwrap().mean.channels()[0];
+            let mean = indirect.iter().map(|v| f64::from(*v)).sum::<f64>() / indirect.len() as f64;
+            let error = 4.0 * mean_of(&stack, ComponentRole::Scattered).1 + 1e-4;
+            assert!((mean - expected).abs() < error, "{max_depth}: {mean} ± {error} {expected}");
+        }
+    }
+}
+
 /// Form factor from a point to a rectangle a × b parallel to its plane, at distance c above, one corner above the
 /// point (Howell's catalogue of configuration factors, B-3).
 fn corner_form_factor(a: f64, b: f64, c: f64) -> f64 {

@@ -54,7 +54,7 @@ impl PathTracer<'_> {
                 }
                 _ => 1.0,
             };
-            path.record.scattered += path.throughput * value * sample.radiance * (weight / sample.pdf);
+            path.add_scattered(path.throughput * value * sample.radiance * (weight / sample.pdf));
         }
         true
     }

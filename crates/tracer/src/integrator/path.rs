@@ -38,6 +38,7 @@ impl<'a> PathTracer<'a> {
                 break;
             };
             self.see_emitter(&mut path, &hit);
+            path.indirect |= path.settled;
             let bsdf = Bsdf::at(&hit);
             let surface = Surface { hit: &hit, bsdf: &bsdf, bounce };
             let goes_on = bounce < self.settings.max_depth;

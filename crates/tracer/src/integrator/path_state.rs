@@ -30,6 +30,8 @@ pub(super) struct Path {
     pub(super) specular: bool,
     /// Whether the features are final.
     pub(super) settled: bool,
+    /// Whether it went on from the hit of the features to another surface.
+    pub(super) indirect: bool,
     /// What has been found so far.
     pub(super) record: SampleRecord,
     /// Rays cast.
@@ -46,6 +48,7 @@ impl Path {
             departure: None,
             specular: true,
             settled: false,
+            indirect: false,
             record: SampleRecord::default(),
             rays: 0,
         }
@@ -54,8 +57,20 @@ impl Path {
     /// Adds radiance that `ray` meets at its end.
     #[inline]
     pub(super) fn add_emission(&mut self, radiance: Vec3) {
-        let part = if self.specular { &mut self.record.emission } else { &mut self.record.scattered };
-        *part += self.throughput * radiance;
+        if self.specular {
+            self.record.emission += self.throughput * radiance;
+        } else {
+            self.add_scattered(self.throughput * radiance);
+        }
+    }
+
+    /// Adds radiance that reaches the camera from where the path is.
+    #[inline]
+    pub(super) fn add_scattered(&mut self, radiance: Vec3) {
+        self.record.scattered += radiance;
+        if self.indirect {
+            self.record.indirect += radiance;
+        }
     }
 
     /// Records features; the depth is that of the first surface.

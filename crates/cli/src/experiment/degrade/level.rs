@@ -45,6 +45,8 @@ impl Level {
         for Component { radiance, .. } in &mut poorer.components {
             *radiance = self.left_of(radiance, stack)?;
         }
+        // What other renderers do not keep apart.
+        poorer.indirect = None;
         poorer.features.retain(|feature| self.keeps(feature.role));
         for Feature { estimate, .. } in &mut poorer.features {
             *estimate = self.left_of(estimate, stack)?;

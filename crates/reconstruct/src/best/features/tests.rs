@@ -14,6 +14,7 @@ fn stack_of(features: Vec<Feature>) -> FeatureStack {
         film: SIZE,
         samples: SampleCounts::uniform(SIZE.pixels(), vec![4; 8]),
         components: Vec::new(),
+        indirect: None,
         features,
         passthrough: Vec::new(),
     }

@@ -41,6 +41,7 @@ fn stack(sigma: f32, feature_sigma: f32) -> FeatureStack {
         window: Window::whole(SIZE),
         film: SIZE,
         components: vec![Component { role: stack::ComponentRole::Scattered, radiance }],
+        indirect: None,
         features: vec![feature],
         passthrough: Vec::new(),
         samples,

@@ -1,0 +1,82 @@
+//! Direct and indirect light apart. Shadows end where indirect light goes on, and its noise is of another kind: each
+//! part is rebuilt better by itself than both together.
+
+use stack::{Component, Estimate, Image, Noise};
+
+/// Whether `indirect` can be taken off `whole`: both come in as many buckets.
+pub fn is_part_of(indirect: &Estimate, whole: &Estimate) -> bool {
+    match (&indirect.noise, &whole.noise) {
+        (Noise::Buckets(indirect), Noise::Buckets(whole)) => indirect.len() == whole.len(),
+        _ => false,
+    }
+}
+
+/// What is left of a component without its `indirect` light.
+pub fn without(mut whole: Component, indirect: &Estimate) -> Component {
+    take_off(&mut whole.radiance.mean, &indirect.mean);
+    if let (Noise::Buckets(buckets), Noise::Buckets(indirect)) = (&mut whole.radiance.noise, &indirect.noise) {
+        buckets.iter_mut().zip(indirect).for_each(|(bucket, indirect)| take_off(bucket, indirect));
+    }
+    whole
+}
+
+/// Takes a part off an image; rounding leaves nothing below zero.
+fn take_off(whole: &mut Image, part: &Image) {
+    for (whole, part) in whole.channels_mut().iter_mut().zip(part.channels()) {
+        whole.iter_mut().zip(part).for_each(|(whole, part)| *whole = (*whole - part).max(0.0));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use stack::{FeatureStack, Silent, Size};
+
+    use super::*;
+    use crate::best::test_scene::{component, image, stack_of, with_noise};
+    use crate::test_noise::TestNoise;
+    use crate::{Settings, reconstruct};
+
+    const SIZE: Size = Size::new(32, 24);
+
+    /// A stack of a picture in two parts, and the stacks of both.
+    fn stacks() -> [FeatureStack; 3] {
+        let (mut noise, edge) = (TestNoise(17), |x: usize, at: usize| if x < at { 1.0 } else { 0.2 });
+        let mut buckets =
+            |at: usize| [(); 8].map(|()| with_noise(&image(SIZE, |x, _, _| edge(x, at)), 0.1, &mut noise)).to_vec();
+        let (direct, indirect) = (buckets(10), buckets(20));
+        let mut both = direct.clone();
+        both.iter_mut().zip(&indirect).for_each(|(both, indirect)| both.add(indirect));
+        let whole = stack_of(&image(SIZE, |_, _, _| 1.0), 3);
+        let of = |buckets| FeatureStack { components: vec![component(buckets, &whole.samples)], ..whole.clone() };
+        let [mut both, direct, indirect] = [of(both), of(direct), of(indirect)];
+        both.indirect = Some(indirect.components[0].radiance.clone());
+        [both, direct, indirect]
+    }
+
+    fn picture(stack: &FeatureStack, apart: bool) -> Image {
+        let mut settings = Settings::default();
+        settings.best.light.apart = apart;
+        reconstruct(stack, &settings, &Silent).unwrap().picture
+    }
+
+    #[test]
+    fn both_parts_are_rebuilt_as_if_alone() {
+        let [both, direct, indirect] = stacks();
+        let mut sum = picture(&direct, true);
+        sum.add(&picture(&indirect, true));
+        let found = picture(&both, true);
+        for (a, b) in found.channels().iter().flatten().zip(sum.channels().iter().flatten()) {
+            assert!((a - b).abs() < 1e-3, "{a} {b}");
+        }
+        assert!(picture(&both, false) != found);
+    }
+
+    #[test]
+    fn what_is_not_in_as_many_buckets_is_no_part() {
+        let [both, ..] = stacks();
+        let mut halves = both.indirect.clone().unwrap();
+        halves.noise = Noise::Buckets(halves.halves(&both.samples).unwrap().to_vec());
+        assert!(is_part_of(&both.indirect.unwrap(), &both.components[0].radiance));
+        assert!(!is_part_of(&halves, &both.components[0].radiance));
+    }
+}
