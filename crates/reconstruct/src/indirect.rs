@@ -40,7 +40,7 @@ mod tests {
 
     /// A stack of a picture in two parts, and the stacks of both.
     fn stacks() -> [FeatureStack; 3] {
-        let (mut noise, edge) = (TestNoise(17), |x: usize, at: usize| if x < at { 1.0 } else { 0.2 });
+        let (mut noise, edge) = (TestNoise(17), |x: usize, at: usize| if x < at { 1.0 } else { 0.5 });
         let mut buckets =
             |at: usize| [(); 8].map(|()| with_noise(&image(SIZE, |x, _, _| edge(x, at)), 0.1, &mut noise)).to_vec();
         let (direct, indirect) = (buckets(10), buckets(20));
