@@ -20,7 +20,7 @@ use crate::exposure;
 use crate::output::write_with_png;
 use crate::progress::Progress;
 
-/// Every method there is.
+/// Every method there is, and `best` for all light at once.
 pub const METHODS: &[Entry] = &[
     ("ld", Preset::Paper, &[("method", "ld")]),
     ("wlr", Preset::Paper, &[("method", "wlr")]),
@@ -31,6 +31,7 @@ pub const METHODS: &[Entry] = &[
     ("lbf", Preset::Paper, &[("method", "lbf")]),
     ("paper", Preset::Paper, &[]),
     ("best", Preset::Best, &[]),
+    ("whole", Preset::Best, &[("light-apart", "false")]),
     ("fast", Preset::Fast, &[]),
 ];
 
