@@ -2,6 +2,7 @@
 //! (Dammertz et al. 2010).
 
 mod piece;
+mod smoothing;
 mod taps;
 
 use std::f32::consts::FRAC_1_SQRT_2;

@@ -4,16 +4,14 @@ use std::ops::Range;
 
 use pulp::Simd;
 
-use super::taps::{TAPS, Taps};
+use super::taps::{PIXELS, TAPS, Taps};
 use crate::eight::{Eight, LANES};
 
-/// Most pixels of a piece: what it reads stays in the innermost cache.
-pub const PIXELS: usize = 128;
 /// Planes that are smoothed together, and pixels (times eight): as many sums as the processor has registers for.
 pub const PLANES: usize = 3;
 const BATCHES: usize = 4;
 
-/// Consecutive pixels of a row that have the same taps.
+/// Consecutive pixels of a row that have the same taps, at most [`PIXELS`].
 pub struct Piece<'a> {
     /// Where each tap of the first pixel lies in a plane.
     taps: [usize; TAPS],

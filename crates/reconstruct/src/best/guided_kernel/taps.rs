@@ -1,12 +1,9 @@
 //! What the taps of all pixels weigh.
 
-use std::ops::Range;
-
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 use stack::Size;
 
-use super::piece::{PIXELS, PLANES, Piece};
 use crate::eight::{Eight, LANES};
 use crate::exp::exp_of_negative;
 
@@ -18,7 +15,9 @@ pub const TAPS: usize = SIDE * SIDE;
 /// The tap in the middle; half of the others lie behind it in the order of rows.
 const MIDDLE: usize = TAPS / 2;
 
-/// Pixels (times eight) whose taps are weighed together.
+/// Most pixels whose taps are looked at together: what that reads stays in the innermost cache.
+pub const PIXELS: usize = 128;
+/// Pixels (times eight) whose taps are weighed side by side.
 const BATCHES: usize = 4;
 
 /// A kernel with gaps. Two pixels weigh the same for each other, so only the taps behind a pixel are kept.
@@ -38,16 +37,6 @@ impl Taps {
             pulp::Arch::new().dispatch(WeightTask { size, guides, step, y, weights });
         });
         Self { size, step, weights }
-    }
-
-    /// Smooths `planes`.
-    pub fn smooth(&self, planes: &[impl AsRef<[f32]>]) -> Vec<Vec<f32>> {
-        let planes: Vec<&[f32]> = planes.iter().map(AsRef::as_ref).collect();
-        let mut smooth = vec![vec![0.0; self.size.pixels()]; planes.len()];
-        for_each_row(&mut smooth, self.size.width, |y, smooth| {
-            pulp::Arch::new().dispatch(RowTask { taps: self, planes: &planes, y, smooth });
-        });
-        smooth
     }
 
     /// Where tap `number` of the pixel in column `x`, row `y` lies, if it does in the picture.
@@ -74,7 +63,7 @@ impl Taps {
 const OF_MIDDLE: &[f32; PIXELS] = &[SPLINE[SIDE / 2] * SPLINE[SIDE / 2]; PIXELS];
 
 /// Works on all `planes` row by row, on all threads.
-fn for_each_row(planes: &mut [Vec<f32>], width: usize, work: impl Fn(usize, Vec<&mut [f32]>) + Sync) {
+pub fn for_each_row(planes: &mut [Vec<f32>], width: usize, work: impl Fn(usize, Vec<&mut [f32]>) + Sync) {
     if width == 0 {
         return;
     }
@@ -152,47 +141,4 @@ fn squares_of<S: Simd, const B: usize>(simd: S, guides: &[Vec<f32>], here: usize
     for b in 0..B {
         sums[b].store_some(&mut out[b * LANES..]);
     }
-}
-
-/// One row of a picture.
-struct RowTask<'a> {
-    taps: &'a Taps,
-    planes: &'a [&'a [f32]],
-    y: usize,
-    /// The smooth row, one for each plane.
-    smooth: Vec<&'a mut [f32]>,
-}
-
-impl WithSimd for RowTask<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let Self { taps, planes, y, mut smooth } = self;
-        for pixels in pieces(taps.size.width, taps.step) {
-            let piece = Piece::new(taps, y, pixels.clone());
-            for (planes, smooth) in planes.chunks(PLANES).zip(smooth.chunks_mut(PLANES)) {
-                match (planes, smooth) {
-                    ([a], [x]) => piece.smooth(simd, [a], [&mut x[pixels.clone()]]),
-                    ([a, b], [x, y]) => piece.smooth(simd, [a, b], [x, y].map(|row| &mut row[pixels.clone()])),
-                    ([a, b, c], [x, y, z]) => {
-                        piece.smooth(simd, [a, b, c], [x, y, z].map(|row| &mut row[pixels.clone()]));
-                    }
-                    _ => {}
-                }
-            }
-        }
-    }
-}
-
-/// Pieces of a row whose pixels have the same taps in it, none longer than [`PIXELS`].
-fn pieces(width: usize, step: usize) -> impl Iterator<Item = Range<usize>> {
-    let from_right = |taps: usize| width.saturating_sub(taps * step);
-    let mut ends = [step, 2 * step, from_right(2), from_right(1), width].map(|end| end.min(width));
-    ends.sort_unstable();
-    let mut start = 0;
-    ends.into_iter().flat_map(move |end| {
-        let all = std::mem::replace(&mut start, end)..end;
-        all.step_by(PIXELS).map(move |first| first..(first + PIXELS).min(end))
-    })
 }

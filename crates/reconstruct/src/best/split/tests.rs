@@ -1,8 +1,9 @@
 //! The split into two layers: what is cut, and that nothing is lost.
 
-use stack::{ComponentRole, Dealing, Estimate};
+use stack::{ComponentRole, Dealing, Estimate, Size};
 
 use super::super::test_scene::{component, flat, image};
+use super::caps::binomial;
 use super::*;
 use crate::test_noise::TestNoise;
 

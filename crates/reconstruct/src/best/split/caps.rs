@@ -1,0 +1,91 @@
+//! What a pixel's buckets are cut at.
+
+use rayon::prelude::*;
+use stack::Size;
+
+use super::high_ranks::{HighRanks, Ranks, above_quartile, high_ranks};
+use crate::best::settings::SplitSettings;
+use crate::per_pixel;
+
+/// Least luminance that anything is cut at.
+const LEAST_CAP: f32 = 1e-4;
+
+/// Luminance above which each pixel's buckets are cut: a multiple of what the surroundings reach; more where a quarter of
+/// its own buckets do, as far as that is no chance. `luminances` of the buckets of an image of `size` are ≥ 0, or
+/// `NOTHING` where there is no sample.
+pub fn caps(size: Size, luminances: &[Vec<f32>], settings: &SplitSettings) -> Vec<f32> {
+    Task { size, luminances, settings }.caps()
+}
+
+struct Task<'a> {
+    size: Size,
+    luminances: &'a [Vec<f32>],
+    settings: &'a SplitSettings,
+}
+
+impl Task<'_> {
+    fn caps(&self) -> Vec<f32> {
+        let SplitSettings { radius, quantile, factor, .. } = *self.settings;
+        let ranks = Ranks { radius, share: quantile };
+        let high = high_ranks(self.size, self.luminances, ranks).unwrap_or_else(|| self.selected(ranks));
+        let cap = |(pixel, (around, own)): (usize, (&f32, &f32))| {
+            let reached = factor * around;
+            let excess = (own - reached).max(0.0);
+            let detail = if excess > 0.0 { self.is_detail(pixel, reached) } else { 0.0 };
+            (reached + detail * excess).max(LEAST_CAP)
+        };
+        high.around.par_iter().zip(&high.own).enumerate().map(cap).collect()
+    }
+
+    /// Both ranks pixel by pixel, however deep they lie.
+    fn selected(&self, ranks: Ranks) -> HighRanks {
+        let select = |values: &mut [f32], above: usize| match values.len() {
+            0 => 0.0,
+            count => *values.select_nth_unstable_by(count - 1 - above, f32::total_cmp).1,
+        };
+        let [around, own] = per_pixel::planes(self.size.pixels(), |pixel| {
+            let (mut around, mut own) = (self.surroundings(pixel), self.own(pixel));
+            let above = [ranks.above(around.len()), above_quartile(own.len())];
+            [select(&mut around, above[0]), select(&mut own, above[1])]
+        });
+        HighRanks { around, own }
+    }
+
+    /// How likely it is, from 0 to 1, that those of a pixel's buckets that are above `reached` are a detail of the
+    /// picture, in which any number of them is as likely as any other, and did not meet by chance, at the rate of the
+    /// other buckets around.
+    fn is_detail(&self, pixel: usize, reached: f32) -> f32 {
+        let (own, around) = (self.own(pixel), self.surroundings(pixel));
+        let above = |values: &[f32]| values.iter().filter(|l| **l > reached).count();
+        let bright = above(&own);
+        let (others_bright, others) = (above(&around) - bright, around.len() - own.len());
+        let rate = (others_bright as f32 + 0.5) / (others as f32 + 1.0);
+        let detail = self.settings.detail / (own.len() + 1) as f32;
+        detail / (detail + binomial(bright, own.len(), rate))
+    }
+
+    /// Luminances of a pixel's filled buckets.
+    fn own(&self, pixel: usize) -> Vec<f32> {
+        self.luminances.iter().map(|bucket| bucket[pixel]).filter(|l| *l >= 0.0).collect()
+    }
+
+    /// The same of a pixel and those around it.
+    fn surroundings(&self, pixel: usize) -> Vec<f32> {
+        let (x, y, radius) = (pixel % self.size.width, pixel / self.size.width, self.settings.radius);
+        let columns = x.saturating_sub(radius)..(x + radius + 1).min(self.size.width);
+        let mut values = Vec::with_capacity((2 * radius + 1).pow(2) * self.luminances.len());
+        for row in y.saturating_sub(radius)..(y + radius + 1).min(self.size.height) {
+            let near = self.size.index(columns.start, row);
+            for luminances in self.luminances {
+                values.extend(luminances[near..][..columns.len()].iter().filter(|l| **l >= 0.0));
+            }
+        }
+        values
+    }
+}
+
+/// The chance that `k` of `n` events occur, each of which does with probability `p`.
+pub fn binomial(k: usize, n: usize, p: f32) -> f32 {
+    let ways: f32 = (0..k).map(|i| (n - i) as f32 / (i + 1) as f32).product();
+    ways * p.powi(k as i32) * (1.0 - p).powi((n - k) as i32)
+}
