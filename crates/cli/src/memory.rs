@@ -4,6 +4,7 @@ use std::str::FromStr;
 
 use anyhow::Result;
 use reconstruct::MethodSettings;
+use reconstruct::best::MOST_PARTS;
 use stack::file::Survey;
 use stack::{FeatureStack, Size};
 
@@ -18,8 +19,9 @@ const PROGRAM: f64 = 6e7;
 const PREPARING: f64 = 100.0;
 /// Once the stack is freed, where the second pass is made of the whole picture at once …
 const WHOLE: f64 = 520.0;
-/// … and before it.
-const REBUILDING: f64 = 495.0;
+/// … and before it, beside what each independent part of the light takes.
+const REBUILDING: f64 = 453.0;
+const PART: f64 = 21.0;
 /// In a second pass by bands: what is there of the whole picture …
 const KEPT: f64 = 395.0;
 /// … and what of the rows that are made at once, which are copied.
@@ -120,17 +122,28 @@ pub struct Need {
     stack: f64,
     /// See [`FeatureStack::staying_bytes`].
     stays: f64,
+    buckets: usize,
 }
 
 impl From<&FeatureStack> for Need {
     fn from(stack: &FeatureStack) -> Self {
-        Self { size: stack.size(), stack: stack.bytes() as f64, stays: stack.staying_bytes() as f64 }
+        Self {
+            size: stack.size(),
+            stack: stack.bytes() as f64,
+            stays: stack.staying_bytes() as f64,
+            buckets: stack.samples.dealing.buckets(),
+        }
     }
 }
 
 impl From<&Survey> for Need {
     fn from(survey: &Survey) -> Self {
-        Self { size: survey.size, stack: survey.bytes as f64, stays: survey.staying_bytes as f64 }
+        Self {
+            size: survey.size,
+            stack: survey.bytes as f64,
+            stays: survey.staying_bytes as f64,
+            buckets: survey.buckets,
+        }
     }
 }
 
@@ -139,16 +152,19 @@ impl Need {
     fn plan(self, most: f64, then: Afterwards) -> Result<Plan, f64> {
         let most = most - PROGRAM;
         let pixels = self.size.pixels() as f64;
-        let at_once = self.stack + pixels * if then.guide { GUIDED } else { WHOLE };
+        // What knows nothing of its noise is taken apart in two.
+        let rebuilding = REBUILDING + PART * self.buckets.clamp(2, MOST_PARTS) as f64;
+        let whole = WHOLE.max(rebuilding);
+        let at_once = self.stack + pixels * if then.guide { GUIDED } else { whole };
         if then.needs_stack() && at_once <= most {
             return Ok(Plan { free: false, rows: usize::MAX });
         }
         let beside = if then.guide { GUIDED_LATE } else { PREPARING };
-        let before = (self.stack + pixels * beside).max(self.stays + pixels * REBUILDING);
+        let before = (self.stack + pixels * beside).max(self.stays + pixels * rebuilding);
         if before > most {
             return Err(before + PROGRAM);
         }
-        if self.stays + pixels * WHOLE <= most {
+        if self.stays + pixels * whole <= most {
             return Ok(Plan { free: true, rows: usize::MAX });
         }
         let share = ((most - self.stays) / pixels - KEPT) / AT_ONCE;
@@ -192,7 +208,7 @@ mod tests {
 
     #[test]
     fn less_memory_frees_the_stack_then_cuts_bands_and_then_is_refused() {
-        let need = Need { size: Size::new(1000, 4000), stack: 4e6 * 364.0, stays: 0.0 };
+        let need = Need { size: Size::new(1000, 4000), stack: 4e6 * 364.0, stays: 0.0, buckets: 2 };
         let plan = |bytes_per_pixel: f64, output| need.plan(4e6 * bytes_per_pixel, Afterwards { output, guide: false });
         assert_eq!(plan(1000.0, true), Ok(Plan { free: false, rows: usize::MAX }));
         assert_eq!(plan(800.0, true), Ok(Plan { free: true, rows: usize::MAX }));

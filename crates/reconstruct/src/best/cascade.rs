@@ -8,8 +8,8 @@ use stack::{Cancelled, Image, Monitor, SampleCounts};
 use super::guided_kernel::{GuidedKernel, Taps};
 use super::settings::CascadeSettings;
 use crate::per_pixel::planes_by_eight;
-pub use parting::MOST_PARTS;
-use parting::{Detail, Parting};
+pub use parting::{MOST_PARTS, relative_to};
+use parting::{Parting, Residuals};
 
 /// How often the significance of a detail is smoothed: at its own scale, and at so many less one of the next.
 const SMOOTHINGS: usize = 3;
@@ -44,7 +44,7 @@ impl Parts {
 
 /// Adds to `picture` what `parts` agree on and it lacks: the residual of each part, taken apart by `kernel` into
 /// details of growing scale. A detail d counts by E\[s\]/E\[d²\]; s = d² − c v is its signal, v its variance between
-/// parts and c the significance. Squares are relative to `brightness`. Of more than two parts each is left out once, and
+/// parts and c the significance. Squares are multiplied by `relative`. Of more than two parts each is left out once, and
 /// the least signal counts: a firefly, which is in one part, is none. What is left at the coarsest scale counts in full.
 /// Never below zero. Reports the stage `cascade`.
 ///
@@ -53,35 +53,31 @@ impl Parts {
 pub fn add_significant_residual(
     picture: &mut Image,
     parts: Parts,
-    brightness: &Image,
+    relative: Vec<f32>,
     kernel: &GuidedKernel,
     settings: &CascadeSettings,
     monitor: &dyn Monitor,
 ) -> Result<(), Cancelled> {
     monitor.begin("cascade", settings.levels as u64);
     let Parts { images, shares } = parts;
-    let parting = Parting::new(shares, brightness, settings);
+    let parting = Parting::new(shares, relative, settings);
     let mut residual = residuals(images, picture);
     let mut found = vec![vec![0.0; picture.pixels()]; 3];
-    let mut pending: Vec<Pending> = Vec::new();
-    // A detail is smoothed at its own scale and along with the residual at the next two.
-    for level in 0..settings.levels + SMOOTHINGS - 1 {
+    for level in 0..settings.levels {
         if monitor.cancelled() {
             return Err(Cancelled);
         }
-        let last = level >= settings.levels;
         let taps = kernel.taps(1 << level);
-        let coarse = smoothed(&taps, if last { &[] } else { &residual }, &mut pending);
-        if level + 1 >= SMOOTHINGS && !pending.is_empty() {
-            pending.remove(0).add_significant(&mut found);
-        }
-        if !last {
-            let mut detail = Pending::new(&parting, &residual, &coarse);
-            smoothed(&taps, &[], std::slice::from_mut(&mut detail));
-            pending.push(detail);
-            residual = coarse;
-            monitor.advance(1);
-        }
+        let coarse = taps.smooth(&residual);
+        let mut detail = Detail::new(&parting, &residual, &coarse);
+        residual = coarse;
+        detail.smooth(&taps);
+        // Weighed again for the next details: to keep those of all scales, or details until then, takes more memory than
+        // anything else.
+        drop(taps);
+        (1..SMOOTHINGS).for_each(|wider| detail.smooth(&kernel.taps(1 << (level + wider))));
+        detail.add_significant(&mut found);
+        monitor.advance(1);
     }
     let shares = parting.shares();
     picture.channels_mut().par_iter_mut().zip(&found).enumerate().for_each(|(c, (plane, found))| {
@@ -91,15 +87,6 @@ pub fn add_significant_residual(
         }
     });
     Ok(())
-}
-
-/// `residual`, smoothed; along with it, in place, what is `pending`.
-fn smoothed(taps: &Taps, residual: &[Vec<f32>], pending: &mut [Pending]) -> Vec<Vec<f32>> {
-    let planes: Vec<&Vec<f32>> = residual.iter().chain(pending.iter().flat_map(Pending::powers)).collect();
-    let mut smooth = taps.smooth(&planes).into_iter();
-    let coarse = smooth.by_ref().take(residual.len()).collect();
-    pending.iter_mut().flat_map(Pending::powers_mut).zip(smooth).for_each(|(power, smooth)| *power = smooth);
-    coarse
 }
 
 /// The share of each group in the mean of every pixel.
@@ -119,8 +106,8 @@ fn residuals(mut groups: Vec<Image>, picture: &Image) -> Vec<Vec<f32>> {
     groups.into_iter().flat_map(Image::into_channels).collect()
 }
 
-/// One scale of the residual, whose significance is not known yet.
-struct Pending {
+/// One scale of the residual.
+struct Detail {
     /// Mean over parts, three planes.
     mean: Vec<Vec<f32>>,
     /// Its square, relative, summed over channels, and smoothed as far as it is.
@@ -129,10 +116,10 @@ struct Pending {
     signals: Vec<Vec<f32>>,
 }
 
-impl Pending {
+impl Detail {
     /// What the residual `fine` has beyond `coarse`.
     fn new(parting: &Parting, fine: &[Vec<f32>], coarse: &[Vec<f32>]) -> Self {
-        let mut planes = planes_by_eight(fine[0].len(), &Detail { parting, fine, coarse }).into_iter();
+        let mut planes = planes_by_eight(fine[0].len(), &Residuals { parting, fine, coarse }).into_iter();
         Self {
             mean: planes.by_ref().take(3).collect(),
             square: planes.next().unwrap_or_default(),
@@ -140,12 +127,12 @@ impl Pending {
         }
     }
 
-    fn powers(&self) -> impl Iterator<Item = &Vec<f32>> {
-        std::iter::once(&self.square).chain(&self.signals)
-    }
-
-    fn powers_mut(&mut self) -> impl Iterator<Item = &mut Vec<f32>> {
-        std::iter::once(&mut self.square).chain(&mut self.signals)
+    /// Smooths what decides on its significance.
+    fn smooth(&mut self, taps: &Taps) {
+        let powers: Vec<&Vec<f32>> = std::iter::once(&self.square).chain(&self.signals).collect();
+        let smooth = taps.smooth(&powers);
+        let powers = std::iter::once(&mut self.square).chain(&mut self.signals);
+        powers.zip(smooth).for_each(|(power, smooth)| *power = smooth);
     }
 
     /// Adds its significant part to `found`.

@@ -28,6 +28,7 @@ pub(crate) mod spread;
 pub(crate) mod test_scene;
 mod workshop;
 
+pub use cascade::MOST_PARTS;
 pub use choice::{Chooser, trained, training};
 pub use error::share_unseen;
 pub use features::{GuideFeatures, guide_features};

@@ -6,7 +6,7 @@ use std::ops::Range;
 use stack::{Cancelled, Component, FeatureStack, Image, Monitor, Noise, SampleCounts};
 
 use super::alone::split_alone;
-use super::cascade::{MOST_PARTS, Parts, add_significant_residual};
+use super::cascade::{MOST_PARTS, Parts, add_significant_residual, relative_to};
 use super::choice::Contest;
 use super::colour_guide::with_colour;
 use super::features::GuideFeatures;
@@ -77,8 +77,8 @@ impl<'a> Piloted<'a> {
         pilot.add(&spread);
         if let Some(parts) = parts {
             let kernel = GuidedKernel::surfaces(surfaces, settings.cascade.feature_scale);
-            let brightness = pilot.clone();
-            add_significant_residual(&mut pilot, parts, &brightness, &kernel, &settings.cascade, monitor)?;
+            let relative = relative_to(&pilot);
+            add_significant_residual(&mut pilot, parts, relative, &kernel, &settings.cascade, monitor)?;
         }
         let (features, event_variance) = (Cow::Borrowed(features), events.variance);
         Ok(Self { features, coloured, layers, noise, samples, spread, event_variance, pilot, first, passes })

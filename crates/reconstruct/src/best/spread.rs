@@ -7,7 +7,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 use stack::{Cancelled, Image, Monitor, Size};
 
-use super::cascade::{Parts, add_significant_residual};
+use super::cascade::{Parts, add_significant_residual, relative_to};
 use super::features::GuideFeatures;
 use super::guided_kernel::GuidedKernel;
 use super::halves::{luminance, sum_of};
@@ -74,12 +74,14 @@ pub fn steadied(
     }
     let mut brightness = picture.clone();
     brightness.add(&sum);
+    let relative = relative_to(&brightness);
+    drop((sum, brightness));
     let SpreadSettings { levels, significance, feature_scale, .. } = *settings;
     let kernel = GuidedKernel::surfaces_and_brightness(features, picture, feature_scale, settings.brightness.powi(2));
     let mut steady = Image::zeros(picture.size(), 3);
     let cascade =
         CascadeSettings { significance_of_two: significance, levels, feature_scale, ..CascadeSettings::default() };
-    add_significant_residual(&mut steady, Parts::adding_up(halves), &brightness, &kernel, &cascade, monitor)?;
+    add_significant_residual(&mut steady, Parts::adding_up(halves), relative, &kernel, &cascade, monitor)?;
     Ok(steady)
 }
 

@@ -17,6 +17,8 @@ pub struct Survey {
     /// Those of them that stay until the picture is rebuilt: indirect light, and what nobody here interprets; in a
     /// renderer's files whose layers are told by their values, these, too.
     pub staying_bytes: usize,
+    /// Independent parts that its colour comes in.
+    pub buckets: usize,
     /// What our own files say about themselves.
     pub header: Option<StackHeader>,
 }
@@ -38,7 +40,8 @@ pub fn survey(inputs: &Inputs, options: &ReadOptions) -> Result<Survey, FileErro
     check_fits(&path, (size.width, size.height), bytes)?;
     let of_all = |bytes: usize| bytes.saturating_mul(size.pixels());
     let (bytes, staying_bytes) = (of_all(bytes), of_all(staying));
-    Ok(Survey { size, bytes, staying_bytes, header: one_pixel.header })
+    let buckets = one_pixel.stack.samples.dealing.buckets();
+    Ok(Survey { size, bytes, staying_bytes, buckets, header: one_pixel.header })
 }
 
 #[cfg(test)]

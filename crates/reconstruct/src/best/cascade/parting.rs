@@ -24,10 +24,10 @@ pub struct Parting {
 }
 
 impl Parting {
-    /// Parts with these `shares`; squares are relative to `brightness`.
-    pub fn new(shares: Vec<Vec<f32>>, brightness: &Image, settings: &CascadeSettings) -> Self {
+    /// Parts with these `shares`; squares are multiplied by `relative`.
+    pub fn new(shares: Vec<Vec<f32>>, relative: Vec<f32>, settings: &CascadeSettings) -> Self {
         let significance = if shares.len() > 2 { settings.significance } else { settings.significance_of_two };
-        Self { shares, relative: relative_to(brightness), significance }
+        Self { shares, relative, significance }
     }
 
     /// The share of each part in the mean of every pixel.
@@ -40,7 +40,7 @@ impl Parting {
         if self.shares.len() > 2 { self.shares.len() } else { 1 }
     }
 
-    /// What is told of a [`Detail`] at some pixels.
+    /// What is told of [`Residuals`] at some pixels.
     #[inline(always)]
     fn judged(&self, fine: &[Vec<f32>], coarse: &[Vec<f32>], pixels: Pixels) -> [Lanes; 4 + MOST_PARTS] {
         let mut numbers = [[0.0; LANES]; 4 + MOST_PARTS];
@@ -95,15 +95,15 @@ impl Parting {
     }
 }
 
-/// The detail `fine` − `coarse`, three planes for each part: its mean in three channels, its relative square, and its
-/// signals.
-pub struct Detail<'a> {
+/// Residuals on two scales, three planes for each part. What is told of their difference: its mean in three channels, its
+/// relative square, and its signals.
+pub struct Residuals<'a> {
     pub parting: &'a Parting,
     pub fine: &'a [Vec<f32>],
     pub coarse: &'a [Vec<f32>],
 }
 
-impl ByEight<{ 4 + MOST_PARTS }> for Detail<'_> {
+impl ByEight<{ 4 + MOST_PARTS }> for Residuals<'_> {
     #[inline(always)]
     fn numbers(&self, pixels: Pixels) -> [Lanes; 4 + MOST_PARTS] {
         self.parting.judged(self.fine, self.coarse, pixels)
@@ -138,7 +138,7 @@ fn sums_of_others(parts: &OfParts) -> OfParts {
 }
 
 /// One over the squared luminance of a picture.
-fn relative_to(brightness: &Image) -> Vec<f32> {
+pub fn relative_to(brightness: &Image) -> Vec<f32> {
     (0..brightness.pixels())
         .map(|pixel| {
             let luminance = brightness.mean_at(pixel);

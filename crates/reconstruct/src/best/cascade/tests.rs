@@ -26,7 +26,7 @@ fn added(picture: &Image, component: &Component, settings: &CascadeSettings) -> 
 fn added_parts(picture: &Image, parts: Parts, settings: &CascadeSettings) -> Image {
     let kernel = GuidedKernel::surfaces(&two_halves(SIZE), settings.feature_scale);
     let mut added = picture.clone();
-    add_significant_residual(&mut added, parts, picture, &kernel, settings, &Silent).unwrap();
+    add_significant_residual(&mut added, parts, relative_to(picture), &kernel, settings, &Silent).unwrap();
     added
 }
 
@@ -97,6 +97,14 @@ fn parts_that_add_up_are_their_sum() {
     let parts = Parts::adding_up([flat(SIZE, 0.25), flat(SIZE, 0.5)]);
     let kernel = GuidedKernel::surfaces(&two_halves(SIZE), 0.3);
     let mut sum = flat(SIZE, 0.0);
-    add_significant_residual(&mut sum, parts, &flat(SIZE, 1.0), &kernel, &CascadeSettings::default(), &Silent).unwrap();
+    add_significant_residual(
+        &mut sum,
+        parts,
+        relative_to(&flat(SIZE, 1.0)),
+        &kernel,
+        &CascadeSettings::default(),
+        &Silent,
+    )
+    .unwrap();
     assert!(sum.channels().iter().flatten().all(|v| (v - 0.75).abs() < 1e-4));
 }
