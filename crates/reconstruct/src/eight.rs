@@ -6,6 +6,9 @@ use pulp::Simd;
 /// How many.
 pub const LANES: usize = 8;
 
+/// A number of each of eight pixels, for loops that the compiler makes wide by itself.
+pub type Lanes = [f32; LANES];
+
 /// Eight numbers, in as many of the processor's registers as they need; the rest of the array is not used.
 #[derive(Clone, Copy, Debug)]
 pub struct Eight<S: Simd>([S::f32s; LANES]);

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::eight::LANES;
+use crate::eight::{LANES, Lanes};
 
 /// Pixels that one task works on.
 const CHUNK: usize = 4096;
@@ -22,7 +22,7 @@ pub fn planes<const N: usize>(pixels: usize, values: impl Fn(usize) -> [f32; N] 
 /// there are.
 pub trait ByEight<const N: usize>: Sync {
     /// The numbers of some pixels; to be marked `#[inline(always)]`.
-    fn numbers(&self, pixels: Pixels) -> [[f32; LANES]; N];
+    fn numbers(&self, pixels: Pixels) -> [Lanes; N];
 }
 
 /// The same by `values` of eight pixels at once.
@@ -42,7 +42,7 @@ pub struct Pixels {
 impl Pixels {
     /// Their numbers in `plane`; zeros stand for pixels that there are not.
     #[inline(always)]
-    pub fn of(self, plane: &[f32]) -> [f32; LANES] {
+    pub fn of(self, plane: &[f32]) -> Lanes {
         // An array of known length, or this becomes a call.
         if let Some(eight) = plane[self.first..].first_chunk() {
             return *eight;
@@ -54,7 +54,7 @@ impl Pixels {
 
     /// What `value` is of each of them; zeros stand for pixels that there are not.
     #[inline(always)]
-    pub fn map(self, value: impl Fn(usize) -> f32) -> [f32; LANES] {
+    pub fn map(self, value: impl Fn(usize) -> f32) -> Lanes {
         let mut values = [0.0; LANES];
         for i in 0..self.count {
             values[i] = value(self.first + i);
@@ -110,7 +110,7 @@ mod tests {
     struct Swapped<'a>([&'a [f32]; 2]);
 
     impl ByEight<2> for Swapped<'_> {
-        fn numbers(&self, pixels: Pixels) -> [[f32; LANES]; 2] {
+        fn numbers(&self, pixels: Pixels) -> [Lanes; 2] {
             [pixels.of(self.0[1]), pixels.map(|pixel| self.0[0][pixel])]
         }
     }

@@ -11,9 +11,6 @@ use crate::per_pixel::planes_by_eight;
 pub use parting::{MOST_PARTS, relative_to};
 use parting::{Parting, Residuals};
 
-/// How often the significance of a detail is smoothed: at its own scale, and at so many less one of the next.
-const SMOOTHINGS: usize = 3;
-
 /// Independent parts of a picture, at most [`MOST_PARTS`].
 pub struct Parts {
     images: Vec<Image>,
@@ -45,7 +42,8 @@ impl Parts {
 /// Adds to `picture` what `parts` agree on and it lacks: the residual of each part, taken apart by `kernel` into
 /// details of growing scale. A detail d counts by E\[s\]/E\[d²\]; s = d² − c v is its signal, v its variance between
 /// parts and c the significance. Squares are multiplied by `relative`. Of more than two parts each is left out once, and
-/// the least signal counts: a firefly, which is in one part, is none. What is left at the coarsest scale counts in full.
+/// the least signal counts: a firefly, which is in one part, is none. Both are smoothed at the detail's own scale and the
+/// next two. What is left at the coarsest scale counts in full.
 /// Never below zero. Reports the stage `cascade`.
 ///
 /// # Errors
@@ -63,19 +61,19 @@ pub fn add_significant_residual(
     let parting = Parting::new(shares, relative, settings);
     let mut residual = residuals(images, picture);
     let mut found = vec![vec![0.0; picture.pixels()]; 3];
+    let mut taps = kernel.taps(1);
     for level in 0..settings.levels {
         if monitor.cancelled() {
             return Err(Cancelled);
         }
-        let taps = kernel.taps(1 << level);
         let coarse = taps.smooth(&residual);
         let mut detail = Detail::new(&parting, &residual, &coarse);
         residual = coarse;
         detail.smooth(&taps);
-        // Weighed again for the next details: to keep those of all scales, or details until then, takes more memory than
-        // anything else.
-        drop(taps);
-        (1..SMOOTHINGS).for_each(|wider| detail.smooth(&kernel.taps(1 << (level + wider))));
+        taps = kernel.taps(2 << level);
+        detail.smooth(&taps);
+        // Weighed again two scales later: to keep these, or details until then, takes more memory than anything else.
+        detail.smooth(&kernel.taps(4 << level));
         detail.add_significant(&mut found);
         monitor.advance(1);
     }

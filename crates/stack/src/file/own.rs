@@ -4,7 +4,7 @@ use super::counts::{Spp, rounded};
 use super::found::{Found, FoundRole};
 use super::loaded::{Loaded, Plane, take_image};
 use super::role::Role;
-use super::write::{SAMPLES, bucket_layer};
+use super::write::{SAMPLES, bucket_layer, input_layers};
 use super::{FileError, Layers, ReadStack, StackHeader};
 use crate::{
     Component, ComponentRole, Dealing, Estimate, Feature, FeatureRole, FeatureStack, INDIRECT, Image, Noise,
@@ -153,10 +153,7 @@ pub fn load_own(mut layers: Layers) -> Loaded {
 
 /// Whether a file of ours has the channel `name` for an input or a result.
 fn is_own_channel(name: &str) -> bool {
-    let components = ComponentRole::ALL.map(ComponentRole::layer);
-    let mut layers =
-        components.into_iter().chain([INDIRECT]).chain(FeatureRole::ALL.map(FeatureRole::layer)).chain([SAMPLES]);
     let own = |rest: &str| [".", "A.", "B.", "Variance."].iter().any(|form| rest.starts_with(form));
     let is_result = RESULTS.iter().any(|r| if r.ends_with('.') { name.starts_with(r) } else { name == *r });
-    is_result || layers.any(|layer| name.strip_prefix(layer).is_some_and(own))
+    is_result || input_layers().any(|layer| name.strip_prefix(layer).is_some_and(own))
 }

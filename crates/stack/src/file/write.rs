@@ -146,13 +146,16 @@ fn full_name(layer: &str, channel: &str) -> String {
     if layer.is_empty() { channel.into() } else { format!("{layer}.{channel}") }
 }
 
+/// Layers of all that a reconstruction starts from.
+pub(super) fn input_layers() -> impl Iterator<Item = &'static str> {
+    let components = ComponentRole::ALL.map(ComponentRole::layer);
+    components.into_iter().chain([INDIRECT]).chain(FeatureRole::ALL.map(FeatureRole::layer)).chain([SAMPLES])
+}
+
 /// Whether a file of ours may have a channel called `name` that is not carried along.
 pub(super) fn may_write(name: &str) -> bool {
     let Some((layer, _)) = name.rsplit_once('.') else { return ["R", "G", "B"].contains(&name) };
-    let components = ComponentRole::ALL.map(ComponentRole::layer);
-    let mut inputs =
-        components.into_iter().chain([INDIRECT]).chain(FeatureRole::ALL.map(FeatureRole::layer)).chain([SAMPLES]);
     let is_estimate = |rest: &str| ["", "A", "B", "Variance"].contains(&rest) || rest.starts_with(".bucket");
     ["mse", "spikes", "bandwidth", "rank"].contains(&layer)
-        || inputs.any(|input| layer.strip_prefix(input).is_some_and(is_estimate))
+        || input_layers().any(|input| layer.strip_prefix(input).is_some_and(is_estimate))
 }

@@ -36,8 +36,8 @@ fn cut(groups: &mut [Image], first: usize, end: usize, counts: &SampleCounts) ->
 }
 
 impl Film {
-    /// The film as a feature stack: both components and indirect light with all buckets, all features as halves (without noise when there
-    /// is only one bucket).
+    /// The film as a feature stack: both components and indirect light with all buckets, all features as halves (without
+    /// noise when there is only one bucket).
     pub fn to_stack(&self) -> FeatureStack {
         self.clone().into_stack()
     }

@@ -13,9 +13,9 @@ fn settings(sequences: u32, buckets: u32) -> TraceSettings {
 fn record(pixel: usize, index: u32) -> SampleRecord {
     let value = (pixel % 7) as f32 + (index * index % 11) as f32;
     SampleRecord {
-        indirect: Vec3::ZERO,
         scattered: Vec3::new(value, 2.0 * value, 3.0 * value),
         emission: Vec3::splat(0.5 * value),
+        indirect: Vec3::new(0.25 * value, value, 0.75 * value),
         features: FeatureRecord {
             position: Vec3::new(value, 0.0, -value),
             albedo: Vec3::splat(value / 20.0),

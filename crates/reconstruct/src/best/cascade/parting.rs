@@ -3,15 +3,13 @@
 use stack::Image;
 
 use crate::best::settings::CascadeSettings;
-use crate::eight::LANES;
+use crate::eight::{LANES, Lanes};
 use crate::per_pixel::{ByEight, Pixels};
 
 /// Most parts that a picture comes in.
 pub const MOST_PARTS: usize = 8;
 
-/// A number of each of eight pixels.
-type Lanes = [f32; LANES];
-/// And of every part.
+/// A number of each of eight pixels and of every part.
 type OfParts = [Lanes; MOST_PARTS];
 
 /// How details are judged.
@@ -38,44 +36,6 @@ impl Parting {
     /// How often a signal is estimated: with each part left out, or once where there are but two.
     pub fn signals(&self) -> usize {
         if self.shares.len() > 2 { self.shares.len() } else { 1 }
-    }
-
-    /// What is told of [`Residuals`] at some pixels.
-    #[inline(always)]
-    fn judged(&self, fine: &[Vec<f32>], coarse: &[Vec<f32>], pixels: Pixels) -> [Lanes; 4 + MOST_PARTS] {
-        let mut numbers = [[0.0; LANES]; 4 + MOST_PARTS];
-        let mut shares = [[0.0; LANES]; MOST_PARTS];
-        shares.iter_mut().zip(&self.shares).for_each(|(share, plane)| *share = pixels.of(plane));
-        let mut filled = [[0.0; LANES]; MOST_PARTS];
-        for (filled, share) in filled.iter_mut().zip(&shares) {
-            (0..LANES).for_each(|i| filled[i] = if share[i] > 0.0 { 1.0 } else { 0.0 });
-        }
-        let (share, filled) = (self.sums(&shares), self.sums(&filled));
-        for c in 0..3 {
-            let (mut firsts, mut seconds) = ([[0.0; LANES]; MOST_PARTS], [[0.0; LANES]; MOST_PARTS]);
-            for part in 0..self.shares.len() {
-                let (fine, coarse) = (pixels.of(&fine[3 * part + c]), pixels.of(&coarse[3 * part + c]));
-                for i in 0..LANES {
-                    let value = fine[i] - coarse[i];
-                    firsts[part][i] = shares[part][i] * value;
-                    seconds[part][i] = firsts[part][i] * value;
-                }
-            }
-            let mean = sum(&firsts);
-            let (first, second) = (self.sums(&firsts), self.sums(&seconds));
-            numbers[c] = mean;
-            (0..LANES).for_each(|i| numbers[3][i] += mean[i] * mean[i]);
-            for k in 0..self.signals() {
-                for i in 0..LANES {
-                    numbers[4 + k][i] += self.signal(filled[k][i], share[k][i], first[k][i], second[k][i]);
-                }
-            }
-        }
-        let relative = pixels.of(&self.relative);
-        for numbers in &mut numbers[3..] {
-            (0..LANES).for_each(|i| numbers[i] *= relative[i]);
-        }
-        numbers
     }
 
     /// m² − c v of the mean m of so many `filled` parts, whose variance is v and c the significance; 0 where one part
@@ -106,7 +66,40 @@ pub struct Residuals<'a> {
 impl ByEight<{ 4 + MOST_PARTS }> for Residuals<'_> {
     #[inline(always)]
     fn numbers(&self, pixels: Pixels) -> [Lanes; 4 + MOST_PARTS] {
-        self.parting.judged(self.fine, self.coarse, pixels)
+        let Self { parting, fine, coarse } = *self;
+        let mut numbers = [[0.0; LANES]; 4 + MOST_PARTS];
+        let mut shares = [[0.0; LANES]; MOST_PARTS];
+        shares.iter_mut().zip(&parting.shares).for_each(|(share, plane)| *share = pixels.of(plane));
+        let mut filled = [[0.0; LANES]; MOST_PARTS];
+        for (filled, share) in filled.iter_mut().zip(&shares) {
+            (0..LANES).for_each(|i| filled[i] = if share[i] > 0.0 { 1.0 } else { 0.0 });
+        }
+        let (share, filled) = (parting.sums(&shares), parting.sums(&filled));
+        for c in 0..3 {
+            let (mut firsts, mut seconds) = ([[0.0; LANES]; MOST_PARTS], [[0.0; LANES]; MOST_PARTS]);
+            for part in 0..parting.shares.len() {
+                let (fine, coarse) = (pixels.of(&fine[3 * part + c]), pixels.of(&coarse[3 * part + c]));
+                for i in 0..LANES {
+                    let value = fine[i] - coarse[i];
+                    firsts[part][i] = shares[part][i] * value;
+                    seconds[part][i] = firsts[part][i] * value;
+                }
+            }
+            let mean = sum(&firsts);
+            let (first, second) = (parting.sums(&firsts), parting.sums(&seconds));
+            numbers[c] = mean;
+            (0..LANES).for_each(|i| numbers[3][i] += mean[i] * mean[i]);
+            for k in 0..parting.signals() {
+                for i in 0..LANES {
+                    numbers[4 + k][i] += parting.signal(filled[k][i], share[k][i], first[k][i], second[k][i]);
+                }
+            }
+        }
+        let relative = pixels.of(&parting.relative);
+        for numbers in &mut numbers[3..] {
+            (0..LANES).for_each(|i| numbers[i] *= relative[i]);
+        }
+        numbers
     }
 }
 

@@ -4,7 +4,7 @@ use stack::Image;
 
 use super::Contest;
 use crate::best::settings::ChoiceSettings;
-use crate::eight::LANES;
+use crate::eight::{LANES, Lanes};
 use crate::per_pixel::{ByEight, Pixels, planes_by_eight};
 
 /// Candidates there are to choose from.
@@ -105,9 +105,6 @@ impl Evidence {
 /// Planes of evidence: V, E and, on all scales, D and R of every candidate.
 const OF_THE_RULE: usize = 1 + CANDIDATES;
 const ALL: usize = 1 + 3 * CANDIDATES;
-
-/// A number of each of eight pixels.
-type Lanes = [f32; LANES];
 
 /// Evidence that is not smoothed yet.
 struct Raw<'a> {

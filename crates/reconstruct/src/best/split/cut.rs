@@ -2,7 +2,7 @@
 
 use stack::{GroupCounts, Image};
 
-use crate::eight::LANES;
+use crate::eight::{LANES, Lanes};
 use crate::per_pixel::{ByEight, Pixels};
 
 /// Buckets to be cut.
@@ -78,9 +78,6 @@ impl Cut<'_> {
         Bucket { samples, filled, radiance, kept }
     }
 }
-
-/// A number of each of eight pixels.
-type Lanes = [f32; LANES];
 
 /// A bucket of eight pixels.
 struct Bucket {

@@ -6,11 +6,8 @@
 use rayon::prelude::*;
 use stack::Size;
 
-use crate::eight::LANES;
+use crate::eight::{LANES, Lanes};
 use crate::per_pixel::{ByEight, Pixels, planes_by_eight};
-
-/// A number of each of eight pixels.
-type Lanes = [f32; LANES];
 
 /// Stands for a bucket without samples: below all that are filled.
 pub const NOTHING: f32 = -1.0;
