@@ -53,7 +53,7 @@ pub struct Contest<'a> {
 
 impl Contest<'_> {
     /// What smooths errors.
-    fn kernel(&self, settings: &ChoiceSettings) -> GuidedKernel {
+    fn kernel(&self, settings: &ChoiceSettings) -> GuidedKernel<'_> {
         let ChoiceSettings { feature_scale, brightness, .. } = *settings;
         GuidedKernel::surfaces_and_brightness(self.features, self.pilot, feature_scale, brightness)
     }

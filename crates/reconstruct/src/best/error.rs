@@ -78,7 +78,7 @@ mod tests {
         let mut noise = TestNoise(5);
         let halves = [image(&mut noise, 1.0, 0.2), image(&mut noise, 1.0, 0.2)];
         let picture = Image::from_channels(SIZE, vec![vec![1.0; SIZE.pixels()]; 3]);
-        let kernel = GuidedKernel::new(SIZE, Vec::new());
+        let kernel = GuidedKernel::new(SIZE, Vec::new(), 1.0);
         let settings = ErrorSettings { halves: 1.0, events: 1.0 };
         let found = estimated_error(&halves, &vec![0.0; SIZE.pixels()], &picture, &kernel, &settings);
         let truth: f32 = (0..3)
@@ -104,7 +104,7 @@ mod tests {
         });
         let plane: Vec<f32> = (0..SIZE.pixels()).map(|i| if left(i) { 100.0 } else { 0.1 }).collect();
         let picture = Image::from_channels(SIZE, vec![plane; 3]);
-        let kernel = GuidedKernel::new(SIZE, Vec::new());
+        let kernel = GuidedKernel::new(SIZE, Vec::new(), 1.0);
         let settings = ErrorSettings { halves: 1.0, events: 1.0 };
         let found = estimated_error(&halves, &vec![0.0; SIZE.pixels()], &picture, &kernel, &settings);
         let dark: Vec<f32> = (0..SIZE.pixels()).filter(|i| i % SIZE.width > 33).map(|i| found[i]).collect();

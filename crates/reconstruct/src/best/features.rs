@@ -37,9 +37,9 @@ impl GuideFeatures {
         Self { set, surfaces: self.surfaces.clone(), flat: self.flat }
     }
 
-    /// The planes that tell surfaces apart, multiplied by `scale`.
-    pub fn scaled_surfaces(&self, scale: f32) -> Vec<Vec<f32>> {
-        self.surfaces.iter().map(|plane| self.set.planes[*plane].iter().map(|v| v * scale).collect()).collect()
+    /// The planes that tell surfaces apart.
+    pub fn surfaces(&self) -> impl Iterator<Item = &[f32]> {
+        self.surfaces.iter().map(|plane| self.set.planes[*plane].as_slice())
     }
 }
 

@@ -5,39 +5,39 @@ mod piece;
 mod smoothing;
 mod taps;
 
-use std::f32::consts::FRAC_1_SQRT_2;
-
 use stack::{Image, Size};
 
 use super::features::GuideFeatures;
+use taps::Guides;
 pub use taps::Taps;
 
-/// Planes whose differences separate pixels: a weight is exp(−Σ Δ²).
+/// Planes whose differences separate pixels: a weight is exp(−Σ Δ²/(2 s²)) with the scale s. Features are borrowed:
+/// scaled copies of all of them would be the most that a reconstruction keeps.
 #[derive(Clone, Debug)]
-pub struct GuidedKernel {
+pub struct GuidedKernel<'a> {
     size: Size,
-    guides: Vec<Vec<f32>>,
+    surfaces: Vec<&'a [f32]>,
+    brightness: Vec<Vec<f32>>,
+    scale: f32,
 }
 
-impl GuidedKernel {
-    /// A kernel for an image of `size`, guided by planes that are scaled already.
-    pub fn new(size: Size, guides: Vec<Vec<f32>>) -> Self {
-        Self { size, guides }
+impl<'a> GuidedKernel<'a> {
+    /// A kernel for an image of `size` that keeps pixels apart whose values differ by `scale` or more in `surfaces`.
+    pub fn new(size: Size, surfaces: Vec<&'a [f32]>, scale: f32) -> Self {
+        Self { size, surfaces, brightness: Vec::new(), scale }
     }
 
     /// A kernel that stays on surfaces: features that differ by `scale` or more are kept apart.
-    pub fn surfaces(features: &GuideFeatures, scale: f32) -> Self {
-        Self::new(features.set.size, features.scaled_surfaces(FRAC_1_SQRT_2 / scale))
+    pub fn surfaces(features: &'a GuideFeatures, scale: f32) -> Self {
+        Self::new(features.set.size, features.surfaces().collect(), scale)
     }
 
     /// A kernel that stays on surfaces and among pixels of like brightness in `picture`: a squared difference of its
     /// logarithm counts `brightness` times one of a feature.
-    pub fn surfaces_and_brightness(features: &GuideFeatures, picture: &Image, scale: f32, brightness: f32) -> Self {
-        let mut kernel = Self::surfaces(features, scale);
-        let factor = FRAC_1_SQRT_2 / scale * brightness.sqrt();
-        let logarithm = |v: &f32| factor * (v + 0.02).max(0.01).ln();
-        kernel.guides.extend(picture.channels().iter().map(|plane| plane.iter().map(logarithm).collect()));
-        kernel
+    pub fn surfaces_and_brightness(features: &'a GuideFeatures, picture: &Image, scale: f32, brightness: f32) -> Self {
+        let logarithm = |v: &f32| brightness.sqrt() * (v + 0.02).max(0.01).ln();
+        let brightness = picture.channels().iter().map(|plane| plane.iter().map(logarithm).collect()).collect();
+        Self { brightness, ..Self::surfaces(features, scale) }
     }
 
     /// Smooths `planes` with taps `step` pixels apart.
@@ -47,7 +47,9 @@ impl GuidedKernel {
 
     /// The kernel with taps `step` pixels apart, for as many planes as there are.
     pub fn taps(&self, step: usize) -> Taps {
-        Taps::weighed(self.size, &self.guides, step)
+        let brightness = self.brightness.iter().map(Vec::as_slice);
+        let planes = self.surfaces.iter().copied().chain(brightness).collect();
+        Taps::weighed(self.size, &Guides { planes, per_square: 0.5 / (self.scale * self.scale) }, step)
     }
 }
 

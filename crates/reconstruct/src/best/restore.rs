@@ -32,7 +32,8 @@ mod tests {
 
     fn restored(picture: &Image, noisy: &Image) -> Image {
         let mut restored = picture.clone();
-        let kernel = GuidedKernel::surfaces_and_brightness(&two_halves(SIZE), picture, 0.3, 0.2);
+        let features = two_halves(SIZE);
+        let kernel = GuidedKernel::surfaces_and_brightness(&features, picture, 0.3, 0.2);
         restore_energy(&mut restored, noisy, &kernel, &RestoreSettings { limit: 1.2, ..RestoreSettings::default() });
         restored
     }

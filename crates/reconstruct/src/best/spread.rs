@@ -88,7 +88,8 @@ pub fn steadied(
 /// What separates pixels, scaled so that their likeness is exp(−Σ Δ²).
 fn guides(picture: &Image, features: &GuideFeatures, settings: &SpreadSettings) -> Vec<Vec<f32>> {
     let scale = std::f32::consts::FRAC_1_SQRT_2 / settings.feature_scale;
-    let mut planes = features.scaled_surfaces(scale);
+    let scaled = |plane: &[f32]| plane.iter().map(|v| scale * v).collect();
+    let mut planes: Vec<Vec<f32>> = features.surfaces().map(scaled).collect();
     let brightness = |l: &f32| scale * settings.brightness * (l + 0.01).max(0.005).ln();
     planes.push(luminance(picture).iter().map(brightness).collect());
     planes

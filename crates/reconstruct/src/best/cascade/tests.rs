@@ -24,7 +24,8 @@ fn added(picture: &Image, component: &Component, settings: &CascadeSettings) -> 
 }
 
 fn added_parts(picture: &Image, parts: Parts, settings: &CascadeSettings) -> Image {
-    let kernel = GuidedKernel::surfaces(&two_halves(SIZE), settings.feature_scale);
+    let features = two_halves(SIZE);
+    let kernel = GuidedKernel::surfaces(&features, settings.feature_scale);
     let mut added = picture.clone();
     add_significant_residual(&mut added, parts, relative_to(picture), &kernel, settings, &Silent).unwrap();
     added
@@ -95,7 +96,8 @@ fn nothing_becomes_negative() {
 #[test]
 fn parts_that_add_up_are_their_sum() {
     let parts = Parts::adding_up([flat(SIZE, 0.25), flat(SIZE, 0.5)]);
-    let kernel = GuidedKernel::surfaces(&two_halves(SIZE), 0.3);
+    let features = two_halves(SIZE);
+    let kernel = GuidedKernel::surfaces(&features, 0.3);
     let mut sum = flat(SIZE, 0.0);
     add_significant_residual(
         &mut sum,

@@ -3,7 +3,6 @@
 use stack::{Image, Size};
 
 use super::Contest;
-use crate::best::features::GuideFeatures;
 use crate::box_filter::box_mean;
 use crate::ln::ln;
 
@@ -18,14 +17,11 @@ const LEAST: f32 = 0.01;
 /// around it, then of the features that tell surfaces apart.
 pub fn details(contest: &Contest) -> [Vec<f32>; DETAILS] {
     let size = contest.pilot.size();
-    let (bright, surface) = (steps(&[logarithm(contest.pilot)], size), steps(&surfaces(contest.features), size));
+    let surfaces: Vec<&[f32]> = contest.features.surfaces().collect();
+    let (bright, surface) = (steps(&[logarithm(contest.pilot)], size), steps(&surfaces, size));
     let around = |plane: &[f32], radius: usize| box_mean(plane, size, radius).iter().map(|v| ln(v + LEAST)).collect();
     let [near, far] = RADII;
     [around(&bright, near), around(&bright, far), around(&surface, near), around(&surface, far)]
-}
-
-fn surfaces(features: &GuideFeatures) -> Vec<&[f32]> {
-    features.surfaces.iter().map(|plane| features.set.planes[*plane].as_slice()).collect()
 }
 
 fn logarithm(picture: &Image) -> Vec<f32> {

@@ -29,9 +29,17 @@ pub struct Taps {
     weights: Vec<Vec<f32>>,
 }
 
+/// What separates pixels.
+pub struct Guides<'a> {
+    /// Planes of the picture's size.
+    pub planes: Vec<&'a [f32]>,
+    /// A weight is exp(−`per_square` Σ Δ²).
+    pub per_square: f32,
+}
+
 impl Taps {
     /// Taps `step` pixels apart in a picture of `size` whose pixels the `guides` separate.
-    pub fn weighed(size: Size, guides: &[Vec<f32>], step: usize) -> Self {
+    pub fn weighed(size: Size, guides: &Guides, step: usize) -> Self {
         let mut weights = vec![vec![0.0; size.pixels()]; MIDDLE];
         for_each_row(&mut weights, size.width, |y, weights| {
             pulp::Arch::new().dispatch(WeightTask { size, guides, step, y, weights });
@@ -77,7 +85,7 @@ pub fn for_each_row(planes: &mut [Vec<f32>], width: usize, work: impl Fn(usize, 
 /// Weights of one row.
 struct WeightTask<'a> {
     size: Size,
-    guides: &'a [Vec<f32>],
+    guides: &'a Guides<'a>,
     step: usize,
     y: usize,
     /// The row, once for each tap behind the middle.
@@ -104,9 +112,9 @@ impl WithSimd for WeightTask<'_> {
                 let here = size.index(inside.start, y);
                 let there = size.index(inside.start + right - left, row);
                 let weights = &mut weights[inside];
-                squares(simd, guides, here, there, weights);
+                squares(simd, &guides.planes, here, there, weights);
                 let spline = SPLINE[down] * SPLINE[across];
-                weights.iter_mut().for_each(|weight| *weight = spline * exp_of_negative(-*weight));
+                weights.iter_mut().for_each(|w| *w = spline * exp_of_negative(-guides.per_square * *w));
             }
         }
     }
@@ -114,7 +122,7 @@ impl WithSimd for WeightTask<'_> {
 
 /// Σ Δ² between consecutive pixels from number `here` on and those from `there` on.
 #[inline(always)]
-fn squares<S: Simd>(simd: S, guides: &[Vec<f32>], here: usize, there: usize, out: &mut [f32]) {
+fn squares<S: Simd>(simd: S, guides: &[&[f32]], here: usize, there: usize, out: &mut [f32]) {
     let mut at = 0;
     while at + BATCHES * LANES <= out.len() {
         squares_of::<S, BATCHES>(simd, guides, here + at, there + at, &mut out[at..][..BATCHES * LANES]);
@@ -128,7 +136,7 @@ fn squares<S: Simd>(simd: S, guides: &[Vec<f32>], here: usize, there: usize, out
 
 /// The same of `B` times eight pixels, or fewer if `B` is one.
 #[inline(always)]
-fn squares_of<S: Simd, const B: usize>(simd: S, guides: &[Vec<f32>], here: usize, there: usize, out: &mut [f32]) {
+fn squares_of<S: Simd, const B: usize>(simd: S, guides: &[&[f32]], here: usize, there: usize, out: &mut [f32]) {
     let (count, mut sums) = (out.len(), [Eight::splat(simd, 0.0); B]);
     for guide in guides {
         let (p, q) = (&guide[here..][..count], &guide[there..][..count]);

@@ -1,9 +1,16 @@
 //! The guided kernel against its formula.
 
+use std::f32::consts::FRAC_1_SQRT_2;
+
 use super::*;
 use crate::test_noise::TestNoise;
 
 const SIZE: Size = Size::new(13, 9);
+
+/// A kernel whose weights are exp(−Σ Δ²).
+fn kernel(guides: &[Vec<f32>]) -> GuidedKernel<'_> {
+    GuidedKernel::new(SIZE, guides.iter().map(Vec::as_slice).collect(), FRAC_1_SQRT_2)
+}
 
 /// Two guides, the second of which is an edge between columns 5 and 6.
 fn guides(edge: f32) -> Vec<Vec<f32>> {
@@ -31,7 +38,7 @@ fn twin(guides: &[Vec<f32>], plane: &[f32], step: isize, [x, y]: [usize; 2]) -> 
 #[test]
 fn agrees_with_the_formula() {
     let (guides, plane) = (guides(0.7), TestNoise(71).normals(SIZE.pixels(), 1.0, 1.0));
-    let kernel = GuidedKernel::new(SIZE, guides.clone());
+    let kernel = kernel(&guides);
     for step in [1, 2, 4, 8, 32] {
         let smooth = kernel.smooth(&[vec![0.0; SIZE.pixels()], plane.clone()], step);
         assert!(smooth[0].iter().all(|v| *v == 0.0));
@@ -45,7 +52,7 @@ fn agrees_with_the_formula() {
 #[test]
 fn constants_stay() {
     for step in [1, 4, 100] {
-        let smooth = GuidedKernel::new(SIZE, guides(2.0)).smooth(&[vec![0.3; SIZE.pixels()]], step);
+        let smooth = kernel(&guides(2.0)).smooth(&[vec![0.3; SIZE.pixels()]], step);
         assert!(smooth[0].iter().all(|v| (v - 0.3).abs() < 1e-6));
     }
 }
@@ -54,9 +61,9 @@ fn constants_stay() {
 fn nothing_crosses_an_edge() {
     let plane: Vec<f32> = (0..SIZE.pixels()).map(|i| if i % SIZE.width < 6 { 1.0 } else { 1000.0 }).collect();
     for step in [1, 2] {
-        let smooth = GuidedKernel::new(SIZE, guides(6.0)).smooth(std::slice::from_ref(&plane), step);
+        let smooth = kernel(&guides(6.0)).smooth(std::slice::from_ref(&plane), step);
         assert!(smooth[0].iter().zip(&plane).all(|(a, b)| (a - b).abs() < 1e-4 * b));
-        let across = GuidedKernel::new(SIZE, guides(0.0)).smooth(std::slice::from_ref(&plane), step);
+        let across = kernel(&guides(0.0)).smooth(std::slice::from_ref(&plane), step);
         assert!(across[0][5] > 100.0, "without the edge it does mix");
     }
 }
