@@ -8,6 +8,7 @@
 mod chooser;
 mod detail;
 mod evidence;
+mod first_pass;
 mod inputs;
 pub mod training;
 mod weights;
@@ -26,6 +27,7 @@ pub use chooser::Chooser;
 use chooser::softmax;
 pub use evidence::CANDIDATES;
 use evidence::{Evidence, Scales};
+use first_pass::hold_back;
 use inputs::{Inputs, LANES, Lanes, rule_scores};
 pub use weights::trained;
 
@@ -84,7 +86,9 @@ fn weights_at_once(contest: &Contest, settings: &ChoiceSettings, chooser: Option
         None => weigh(contest, &Rule { evidence: &Evidence::new(contest, settings, Scales::OfTheRule), settings }),
     };
     let size = contest.pilot.size();
-    Image::from_channels(size, weights.par_iter().map(|plane| box_mean(plane, size, WEIGHT_RADIUS)).collect())
+    let mut weights: Vec<Vec<f32>> = weights.par_iter().map(|plane| box_mean(plane, size, WEIGHT_RADIUS)).collect();
+    hold_back(&mut weights, contest.candidates);
+    Image::from_channels(size, weights)
 }
 
 /// What gives candidates their weights.

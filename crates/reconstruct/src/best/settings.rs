@@ -86,7 +86,7 @@ stack::knobs! {
         /// Events that an event's surroundings must hold before it is spread no wider.
         events: f32 = 8.0, 1.0..=1000.0;
         /// Weight of a difference in the logarithm of brightness against one in features.
-        brightness: f32 = 1.5, 0.0..=100.0;
+        brightness: f32 = 2.2, 0.0..=100.0;
         /// Scale of the differences between features that separate surfaces.
         feature_scale: f32 = 0.8, 0.01..=10.0;
         /// Scales, each twice as coarse as the one before, on which blotches of spread events are kept only where both
@@ -117,7 +117,7 @@ stack::knobs! {
         /// Widenings of the kernel, each by a factor of two; 0 gives nothing back.
         levels: usize = 5, 0..=10;
         /// Largest factor by which a pixel may change, up or down.
-        limit: f32 = 1.25, 1.0..=100.0;
+        limit: f32 = 1.5, 1.0..=100.0;
         /// Scale of the differences between features that separate surfaces.
         feature_scale: f32 = 0.3, 0.01..=10.0;
         /// Weight of a squared difference in the logarithm of the picture against one in features.

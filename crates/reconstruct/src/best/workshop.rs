@@ -67,7 +67,7 @@ impl Workshop<'_> {
         if settings.restore.levels > 0 {
             let RestoreSettings { feature_scale, brightness, .. } = settings.restore;
             let kernel = GuidedKernel::surfaces_and_brightness(surfaces, &picture, feature_scale, brightness);
-            restore_energy(&mut picture, &mean_of(&piloted.layers.halves), &kernel, &settings.restore);
+            restore_energy(&mut picture, &piloted.layers.halves, &kernel, &settings.restore);
         }
         picture.add(&piloted.spread);
         picture.channels_mut().iter_mut().flatten().for_each(|v| *v = v.max(0.0));
