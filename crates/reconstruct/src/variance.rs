@@ -1,7 +1,6 @@
 //! Variances made fit for use: smoothed, and known everywhere.
 
-use rayon::prelude::*;
-use stack::{Estimate, GroupCounts, Image, Noise, SampleCounts, Size};
+use stack::{Estimate, GroupCounts, Image, SampleCounts, Size};
 
 use crate::box_filter::{box_mean, fill_unknown};
 
@@ -25,58 +24,6 @@ pub fn half_variance(estimate: &Estimate, counts: &SampleCounts, map: impl Fn(us
 fn share_of_halves(counts: &GroupCounts, pixel: usize) -> f32 {
     let [a, b] = [0, 1].map(|half| counts.of(pixel, half) as f32);
     if a > 0.0 && b > 0.0 { a * b / ((a + b) * (a + b)) } else { f32::NAN }
-}
-
-/// Variance of the mean from the spread of all buckets, per channel: Σ n_b (x_b − m)²/((B − 1) n) over the B that hold
-/// samples, after `map` was applied to each. Less noisy than two halves. NaN where fewer than two hold samples. `None`
-/// when the noise does not come in buckets.
-pub fn bucket_variance(
-    estimate: &Estimate,
-    counts: &SampleCounts,
-    map: impl Fn(usize, f32) -> f32 + Sync,
-) -> Option<Image> {
-    let Noise::Buckets(buckets) = &estimate.noise else { return None };
-    let mut variance = Image::zeros(estimate.mean.size(), estimate.mean.channels().len());
-    let counts = counts.grouped(buckets.len());
-    for (c, plane) in variance.channels_mut().iter_mut().enumerate() {
-        let buckets: Vec<&[f32]> = buckets.iter().map(|bucket| &bucket.channels()[c][..]).collect();
-        plane.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, out)| {
-            spread(&buckets, &counts, chunk * CHUNK, |value| map(c, value), out);
-        });
-    }
-    Some(variance)
-}
-
-/// Pixels that one task works on.
-const CHUNK: usize = 1024;
-
-/// Variance of the mean of `buckets` at consecutive pixels from number `first` on; NaN where fewer than two hold samples.
-fn spread(buckets: &[&[f32]], counts: &GroupCounts, first: usize, map: impl Fn(f32) -> f32, out: &mut [f32]) {
-    let length = out.len();
-    let [mut filled, mut total, mut sum] = [(); 3].map(|()| vec![0.0; length]);
-    let mut held = vec![vec![[0.0; 2]; length]; buckets.len()];
-    for (number, (bucket, held)) in buckets.iter().zip(&mut held).enumerate() {
-        for i in 0..length {
-            let n = counts.of(first + i, number) as f32;
-            // What a bucket without samples holds may be anything.
-            let value = if n > 0.0 { map(bucket[first + i]) } else { 0.0 };
-            filled[i] += if n > 0.0 { 1.0 } else { 0.0 };
-            total[i] += n;
-            sum[i] += n * value;
-            held[i] = [n, value];
-        }
-    }
-    out.fill(0.0);
-    for held in &held {
-        for i in 0..length {
-            let [n, value] = held[i];
-            let difference = value - sum[i] / total[i];
-            out[i] += n * (difference * difference);
-        }
-    }
-    for i in 0..length {
-        out[i] = if filled[i] < 2.0 { f32::NAN } else { out[i] / ((filled[i] - 1.0) * total[i]) };
-    }
 }
 
 /// Smooths every channel over (2·`radius` + 1)² windows. Unknown values (NaN) are left out and then taken from their
@@ -150,18 +97,6 @@ mod tests {
         assert!((variance.channels()[0][0] - expected).abs() < 1e-5);
         assert_eq!(variance.channels()[0][1], 0.25, "(1 − 2)²/4 from the buckets 0 2 | 1 3");
         assert!(variance.channels()[0][2].is_nan());
-    }
-
-    #[test]
-    fn buckets_agree_with_the_estimate_and_respect_the_map() {
-        let (estimate, counts) = thirteen_four_one();
-        let plain = estimate.variance_of_mean(&counts).unwrap();
-        let ours = bucket_variance(&estimate, &counts, |_, x| x).unwrap();
-        assert!((plain.channels()[0][0] - ours.channels()[0][0]).abs() < 1e-5);
-        assert!(ours.channels()[0][2].is_nan());
-        let clamped = bucket_variance(&estimate, &counts, |_, x| x.min(1.0)).unwrap();
-        let of_0_1_1_1 = 0.75 / (3.0 * 4.0);
-        assert!((clamped.channels()[0][1] - of_0_1_1_1).abs() < 1e-6);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::{Image, SampleCounts};
+use crate::{GroupCounts, Image, SampleCounts};
 
 /// What is known about the noise of an estimate.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,20 +65,34 @@ impl Estimate {
 
     /// Variance of the mean, per channel, when the noise is known. A pixel with samples in fewer than two buckets has
     /// **unknown** variance, written as NaN.
-    ///
-    /// With buckets of n_b samples and mean m: Σ n_b (x_b − m)² / ((B − 1) n), which for two halves is
-    /// n_A n_B (A − B)² / n², and (A − B)²/4 when they are equal (Rousselle et al. 2012, section 5).
     pub fn variance_of_mean(&self, counts: &SampleCounts) -> Option<Image> {
         match &self.noise {
-            Noise::Buckets(buckets) => Some(spread_of_buckets(buckets, &self.mean, counts)),
+            Noise::Buckets(_) => self.bucket_variance(counts, |_, value| value),
             Noise::VarianceOfMean(variance) => Some(variance.clone()),
             Noise::Unknown => None,
         }
     }
+
+    /// Variance of the mean from the spread of all buckets, per channel: Σ n_b (x_b − m)²/((B − 1) n) over the B that hold
+    /// n_b samples, after `map` was applied to the values of each channel. For two halves that is n_A n_B (A − B)²/n², and
+    /// (A − B)²/4 when they are equal (Rousselle et al. 2012, section 5); more buckets are less noisy. NaN where fewer than
+    /// two hold samples. `None` when the noise does not come in buckets.
+    pub fn bucket_variance(&self, counts: &SampleCounts, map: impl Fn(usize, f32) -> f32 + Sync) -> Option<Image> {
+        let Noise::Buckets(buckets) = &self.noise else { return None };
+        let mut variance = Image::zeros(self.mean.size(), self.mean.channels().len());
+        let counts = counts.grouped(buckets.len());
+        for (c, plane) in variance.channels_mut().iter_mut().enumerate() {
+            let buckets: Vec<&[f32]> = buckets.iter().map(|bucket| &bucket.channels()[c][..]).collect();
+            plane.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, out)| {
+                spread(&buckets, &counts, chunk * CHUNK, |value| map(c, value), out);
+            });
+        }
+        Some(variance)
+    }
 }
 
 /// Pixels that one task works on.
-const CHUNK: usize = 4096;
+const CHUNK: usize = 1024;
 
 /// Mean of those `buckets` whose `numbers` are given, weighted by their counts; zero where none has a sample.
 fn weighted_mean_of(buckets: &[Image], counts: &SampleCounts, numbers: impl Iterator<Item = usize>) -> Image {
@@ -111,25 +125,33 @@ fn group_mean(buckets: &[Image], counts: &SampleCounts, group: usize, groups: us
     weighted_mean_of(buckets, counts, (group..buckets.len()).step_by(groups))
 }
 
-fn spread_of_buckets(buckets: &[Image], mean: &Image, counts: &SampleCounts) -> Image {
-    let mut image = Image::zeros(mean.size(), mean.channels().len());
-    let counts = counts.grouped(buckets.len());
-    for (c, plane) in image.channels_mut().iter_mut().enumerate() {
-        plane.par_iter_mut().enumerate().for_each(|(pixel, out)| {
-            let m = mean.channels()[c][pixel];
-            let (mut filled, mut total, mut spread) = (0, 0.0, 0.0);
-            for (number, bucket) in buckets.iter().enumerate() {
-                let n = counts.of(pixel, number) as f32;
-                if n > 0.0 {
-                    filled += 1;
-                    total += n;
-                    spread += n * (bucket.channels()[c][pixel] - m).powi(2);
-                }
-            }
-            *out = if filled < 2 { f32::NAN } else { spread / ((filled - 1) as f32 * total) };
-        });
+/// Variance of the mean of `buckets` at consecutive pixels from number `first` on; NaN where fewer than two hold samples.
+fn spread(buckets: &[&[f32]], counts: &GroupCounts, first: usize, map: impl Fn(f32) -> f32, out: &mut [f32]) {
+    let length = out.len();
+    let [mut filled, mut total, mut sum] = [(); 3].map(|()| vec![0.0; length]);
+    let mut held = vec![vec![[0.0; 2]; length]; buckets.len()];
+    for (number, (bucket, held)) in buckets.iter().zip(&mut held).enumerate() {
+        for i in 0..length {
+            let n = counts.of(first + i, number) as f32;
+            // What a bucket without samples holds may be anything.
+            let value = if n > 0.0 { map(bucket[first + i]) } else { 0.0 };
+            filled[i] += if n > 0.0 { 1.0 } else { 0.0 };
+            total[i] += n;
+            sum[i] += n * value;
+            held[i] = [n, value];
+        }
     }
-    image
+    out.fill(0.0);
+    for held in &held {
+        for i in 0..length {
+            let [n, value] = held[i];
+            let difference = value - sum[i] / total[i];
+            out[i] += n * (difference * difference);
+        }
+    }
+    for i in 0..length {
+        out[i] = if filled[i] < 2.0 { f32::NAN } else { out[i] / ((filled[i] - 1.0) * total[i]) };
+    }
 }
 
 #[cfg(test)]
@@ -151,6 +173,15 @@ mod tests {
         let estimate = Estimate::from_buckets(vec![flat(2.0), flat(6.0)], &counts);
         assert_eq!(estimate.mean.channels()[0][0], 3.0);
         assert_eq!(estimate.variance_of_mean(&counts).unwrap().channels()[0][0], 3.0 * 16.0 / 16.0);
+    }
+
+    #[test]
+    fn the_variance_of_buckets_respects_the_map() {
+        let buckets = (0..8).map(|bucket| flat(bucket as f32)).collect();
+        let estimate = Estimate::from_buckets(buckets, &numbered(4));
+        let clamped = estimate.bucket_variance(&numbered(4), |_, value| value.min(1.0)).unwrap();
+        // Buckets 0 to 3 hold a sample each: 0 1 1 1.
+        assert!((clamped.channels()[0][0] - 0.75 / (3.0 * 4.0)).abs() < 1e-6);
     }
 
     /// Numbers from −1 to 1, of variance ⅓.

@@ -4,7 +4,7 @@ use stack::{Feature, FeatureRole, Image, Noise, SampleCounts};
 
 use super::VarianceSource;
 use crate::box_filter::fill_unknown;
-use crate::variance::{bucket_variance, half_variance};
+use crate::variance::half_variance;
 
 /// Distances from here on mean that nothing was hit: some renderers write 10¹⁰ or more there.
 const NOWHERE: f32 = 1e9;
@@ -104,7 +104,7 @@ fn normalised_variance(
         (Noise::Unknown, _) => None,
         (Noise::VarianceOfMean(variance), _) => Some(scaled_variance(variance, map.scale)),
         (Noise::Buckets(_), VarianceSource::Halves) => half_variance(&feature.estimate, counts, apply),
-        (Noise::Buckets(_), VarianceSource::Buckets) => bucket_variance(&feature.estimate, counts, apply),
+        (Noise::Buckets(_), VarianceSource::Buckets) => feature.estimate.bucket_variance(counts, apply),
     }
 }
 

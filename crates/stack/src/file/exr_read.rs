@@ -30,7 +30,7 @@ const MOST_COMPRESSED: u128 = 1100;
 /// The same of DWA: two deflated bytes for a block of 8 × 8 floats.
 const MOST_COMPRESSED_BY_DWA: u128 = MOST_COMPRESSED * 128;
 
-/// Bytes that any file may claim.
+/// Bytes that any part of a file may claim.
 const SLACK: u128 = 1 << 20;
 
 /// Channels a file may have; more are a mistake, or malice.
@@ -117,9 +117,10 @@ fn check_length(path: &Path, headers: &[Header], length: u64) -> Result<(), File
     let needs = |header: &Header| {
         let is_dwa = matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_));
         let most = if is_dwa { MOST_COMPRESSED_BY_DWA } else { MOST_COMPRESSED };
-        header.layer_size.area() as u128 * header.channels.bytes_per_pixel as u128 / most
+        let claimed = header.layer_size.area() as u128 * header.channels.bytes_per_pixel as u128;
+        claimed.saturating_sub(SLACK) / most
     };
-    if headers.iter().map(needs).sum::<u128>() > u128::from(length) + SLACK / MOST_COMPRESSED {
+    if headers.iter().map(needs).sum::<u128>() > u128::from(length) {
         return Err(broken(path, "it is too short for the size its header claims"));
     }
     Ok(())

@@ -201,9 +201,9 @@ fn more_than_there_is_memory_is_refused_before_it_is_asked_for() {
     assert!(start.elapsed() < LONGEST);
 }
 
-/// A file that claims 10,000 × 10,000 pixels under compression `number`, whose blocks have `lines` rows.
-fn compressed_by(number: u8, lines: i32) -> Vec<u8> {
-    let mut file = claims(10_000, 10_000);
+/// A file that claims `width` × 10,000 pixels under compression `number`, whose blocks have `lines` rows.
+fn compressed_by(number: u8, lines: i32, width: i32) -> Vec<u8> {
+    let mut file = claims(width, 10_000);
     let at = value_of(&file, "compression\0compression\0");
     file[at] = number;
     let at = value_of(&file, "chunkCount\0int\0");
@@ -215,10 +215,22 @@ fn compressed_by(number: u8, lines: i32) -> Vec<u8> {
 fn compressions_that_are_not_supported_are_told_from_damage() {
     let unsupported = "files of this compression are not supported; write it with ZIP";
     for (number, lines, said) in [(200, 16, unsupported), (8, 32, "it is too short")] {
-        let bytes = compressed_by(number, lines);
+        let bytes = compressed_by(number, lines, 10_000);
         let refused = read_exr_from(Path::new("a.exr"), Cursor::new(bytes)).unwrap_err().to_string();
         assert!(refused.contains(said) && refused.contains("a.exr"), "{refused}");
     }
+}
+
+#[test]
+fn a_little_more_than_dwa_can_hold_is_too_much() {
+    // Deflate's 1032 : 1, rounded up, for every block of 8 × 8 floats that DWA makes two bytes of; 40 bytes a pixel.
+    let most = 1100 * 128 * compressed_by(8, 32, 1).len() / (40 * 10_000);
+    let said = |width: usize| {
+        let bytes = compressed_by(8, 32, width as i32);
+        read_exr_from(Path::new("a.exr"), Cursor::new(bytes)).unwrap_err().to_string()
+    };
+    assert!(said(most + 8).contains("it is too short for the size"), "{}", said(most + 8));
+    assert!(!said(most - 8).contains("it is too short for the size"));
 }
 
 #[test]
