@@ -28,7 +28,8 @@ pub fn restore_energy(picture: &mut Image, halves: &[Image; 2], kernel: &GuidedK
 /// What the picture lacks at a pixel, relative to what it has, for each channel. `smooth` are both halves and the picture.
 /// With a and b what either half says and m their mean, a b is m² on average but for noise: what counts is m Σab/Σm².
 fn lacking(smooth: [f32; 9], limit: f32) -> [f32; 3] {
-    let of_half = |half: usize, c: usize| (smooth[3 * half + c] / smooth[6 + c].max(1e-20)).clamp(1.0 / limit, limit) - 1.0;
+    let of_half =
+        |half: usize, c: usize| (smooth[3 * half + c] / smooth[6 + c].max(1e-20)).clamp(1.0 / limit, limit) - 1.0;
     let [a, b]: [[f32; 3]; 2] = from_fn(|half| from_fn(|c| of_half(half, c)));
     let mean: [f32; 3] = from_fn(|c| 0.5 * (a[c] + b[c]));
     let agreed: f32 = (0..3).map(|c| a[c] * b[c]).sum();
