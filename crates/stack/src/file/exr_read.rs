@@ -30,7 +30,7 @@ const MOST_COMPRESSED: u128 = 1100;
 /// The same of DWA: two deflated bytes for a block of 8 × 8 floats.
 const MOST_COMPRESSED_BY_DWA: u128 = MOST_COMPRESSED * 128;
 
-/// Bytes that any part of a file may claim.
+/// Bytes that any file may claim.
 const SLACK: u128 = 1 << 20;
 
 /// Channels a file may have; more are a mistake, or malice.
@@ -114,13 +114,15 @@ fn requirements(headers: &[Header], path: &Path) -> Result<exr::meta::Requiremen
 
 /// Refuses a file of `length` bytes that is too short for the pixels its headers claim, before room is made for them.
 fn check_length(path: &Path, headers: &[Header], length: u64) -> Result<(), FileError> {
-    let needs = |header: &Header| {
-        let is_dwa = matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_));
-        let most = if is_dwa { MOST_COMPRESSED_BY_DWA } else { MOST_COMPRESSED };
-        let claimed = header.layer_size.area() as u128 * header.channels.bytes_per_pixel as u128;
-        claimed.saturating_sub(SLACK) / most
+    let most = |header: &Header| match header.compression {
+        Compression::DWAA(_) | Compression::DWAB(_) => MOST_COMPRESSED_BY_DWA,
+        _ => MOST_COMPRESSED,
     };
-    if headers.iter().map(needs).sum::<u128>() > u128::from(length) {
+    let needs =
+        |header: &Header| header.layer_size.area() as u128 * header.channels.bytes_per_pixel as u128 / most(header);
+    // Once for the whole file, however many parts it has.
+    let slack = SLACK / headers.iter().map(most).max().unwrap_or(MOST_COMPRESSED);
+    if headers.iter().map(needs).sum::<u128>() > u128::from(length) + slack {
         return Err(broken(path, "it is too short for the size its header claims"));
     }
     Ok(())
