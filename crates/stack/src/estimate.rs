@@ -176,8 +176,14 @@ mod tests {
     }
 
     #[test]
-    fn the_variance_of_buckets_respects_the_map() {
-        let buckets = (0..8).map(|bucket| flat(bucket as f32)).collect();
+    fn the_variance_of_buckets_follows_the_formula_and_respects_the_map() {
+        let buckets: Vec<Image> = (0..8).map(|bucket| flat(bucket as f32)).collect();
+        let estimate = Estimate::from_buckets(buckets.clone(), &numbered(13));
+        // Two samples in each of five buckets, one in each of three.
+        let mean = 38.0 / 13.0;
+        let squares: f32 = (0..8).map(|b| if b < 5 { 2.0 } else { 1.0 } * (b as f32 - mean).powi(2)).sum();
+        let variance = estimate.variance_of_mean(&numbered(13)).unwrap();
+        assert!((variance.channels()[0][0] - squares / (7.0 * 13.0)).abs() < 1e-5);
         let estimate = Estimate::from_buckets(buckets, &numbered(4));
         let clamped = estimate.bucket_variance(&numbered(4), |_, value| value.min(1.0)).unwrap();
         // Buckets 0 to 3 hold a sample each: 0 1 1 1.
