@@ -4,12 +4,13 @@
 //! Errors between halves (`evidence`) are unbiased and noisy: a rule that follows the least of them follows noise. What
 //! else is known about a pixel (`inputs`, `detail`) tells how much to trust them; the network (`chooser`) adds that to the
 //! rule's score. Its weights are trained (`training`) on renders whose references are known, and come along (`weights`).
+//! Last, a first pass that stands alone is held back (`runaway`).
 
 mod chooser;
 mod detail;
 mod evidence;
-mod first_pass;
 mod inputs;
+mod runaway;
 pub mod training;
 mod weights;
 
@@ -27,8 +28,8 @@ pub use chooser::Chooser;
 use chooser::softmax;
 pub use evidence::CANDIDATES;
 use evidence::{Evidence, Scales};
-use first_pass::hold_back;
 use inputs::{Inputs, LANES, Lanes, rule_scores};
+use runaway::hold_back;
 pub use weights::trained;
 
 /// Radius of the box that smooths weights, in pixels.

@@ -12,7 +12,7 @@ use taps::Guides;
 pub use taps::Taps;
 
 /// Planes whose differences separate pixels: a weight is exp(−Σ Δ²/(2 s²)) with the scale s. Features are borrowed:
-/// scaled copies of all of them would be the most that a reconstruction keeps.
+/// a scaled copy would take 36 bytes a pixel where a reconstruction needs the most memory.
 #[derive(Clone, Debug)]
 pub struct GuidedKernel<'a> {
     size: Size,

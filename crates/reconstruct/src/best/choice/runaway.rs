@@ -36,8 +36,8 @@ pub fn hold_back(weights: &mut [Vec<f32>], candidates: &[[Image; 2]]) {
 mod tests {
     use stack::Size;
 
-    use super::super::super::test_scene::flat;
     use super::*;
+    use crate::best::test_scene::flat;
 
     const SIZE: Size = Size::new(2, 1);
 
