@@ -42,9 +42,10 @@ struct Work {
 fn works(settings: &BestSettings) -> [Work; 7] {
     let [candidates, kernels] = [6, 4];
     let fit = &settings.regression;
-    let first = collaborative(fit.first_radius, fit.stride, 2, 2, 3);
+    let first = collaborative([fit.first_radius, 2], fit.stride, 2, 1, 3);
     let tiny = fit.second_radius.min((4.3 * fit.tiny_sigma).ceil() as usize);
-    let second = collaborative(fit.second_radius, fit.stride, 1, kernels, 6) + collaborative(tiny, fit.stride, 1, 1, 6);
+    let second = collaborative([fit.second_radius, 1], fit.stride, 1, kernels, 6)
+        + collaborative([tiny, 1], fit.stride, 1, 1, 6);
     let work = |stage, numbers, multiply_adds| Work { stage, numbers, multiply_adds };
     let halves = 6;
     [
@@ -65,13 +66,13 @@ fn prefilter(settings: &BestSettings) -> usize {
     window * window * GROUPS.map(of_group).iter().sum::<usize>()
 }
 
-/// Fits on the lattice alone: for each `guides`, distances to half of the window's pixels (the others know them), and for
-/// each of the `kernels` weights, moments and predictions of a fit with some `responses`.
-fn collaborative(radius: usize, stride: usize, guides: usize, kernels: usize, responses: usize) -> usize {
-    let window = (2 * radius + 1).pow(2);
+/// Fits on the lattice alone: for each of the `guides`, distances to the window's pixels over patches of some `patch`
+/// radius, and for each of the `kernels` weights, moments and predictions of a fit with some `responses`.
+fn collaborative([radius, patch]: [usize; 2], stride: usize, guides: usize, kernels: usize, responses: usize) -> usize {
+    let [window, patch] = [radius, patch].map(|radius| (2 * radius + 1).pow(2));
     let moments = FEATURES + (FEATURES + responses) + FEATURES * (FEATURES + 1) / 2 + FEATURES * responses;
     let fit = window * (EXPONENTIAL + moments + responses * (FEATURES + 1));
-    guides * (kernels * fit / (stride * stride) + window / 2 * 9)
+    guides * (kernels * fit + window * patch * 9) / (stride * stride)
 }
 
 /// A kernel of 25 taps, half of which are weighed, applied to some `planes`.

@@ -35,6 +35,12 @@ impl<S: Simd> Eight<S> {
         Self(eight)
     }
 
+    /// All of `lanes`.
+    #[inline(always)]
+    pub fn of(simd: S, lanes: &Lanes) -> Self {
+        Self::load(simd, lanes)
+    }
+
     /// The same where there may be fewer: zeros stand for what is missing.
     #[inline(always)]
     pub fn load_some(simd: S, from: &[f32]) -> Self {
@@ -55,6 +61,14 @@ impl<S: Simd> Eight<S> {
         let mut padded = [0.0; LANES];
         self.store(&mut padded);
         to.copy_from_slice(&padded[..to.len()]);
+    }
+
+    /// As an array.
+    #[inline(always)]
+    pub fn lanes(self) -> Lanes {
+        let mut lanes = [0.0; LANES];
+        self.store(&mut lanes);
+        lanes
     }
 
     /// Writes them to the first eight places of `to`.
@@ -106,6 +120,21 @@ impl<S: Simd> Eight<S> {
             self.0[i] = simd.min_f32s(self.0[i], other.0[i]);
         }
         self
+    }
+
+    /// The larger of two.
+    #[inline(always)]
+    pub fn max(mut self, simd: S, other: Self) -> Self {
+        for i in 0..Self::REGISTERS {
+            self.0[i] = simd.max_f32s(self.0[i], other.0[i]);
+        }
+        self
+    }
+
+    /// Their sum, by halves.
+    #[inline(always)]
+    pub fn sum(self) -> f32 {
+        sum_of_lanes(&self.lanes())
     }
 
     /// `self` · `factor` + `sum`, rounded once.

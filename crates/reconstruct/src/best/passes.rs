@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use stack::{Cancelled, Image, Monitor, Size};
 
-use super::first_pass::FirstPass;
+use super::first_pass::first_pass;
 use super::given::Given;
 use super::halves::mean_of;
 use super::settings::FitSettings;
@@ -76,20 +76,19 @@ fn sticking_out(plane: &[f32], size: Size) -> Vec<f32> {
     plane.iter().zip(around).map(|(v, around)| (v - around).clamp(0.0, v.max(0.0))).collect()
 }
 
-/// Rebuilds the layers `low` as the `first` pass of regressions rebuilt the halves.
+/// Rebuilds the layers `low` as the first pass of regressions rebuilds the halves.
 ///
 /// # Errors
 /// When `monitor` cancels.
 pub fn through_first_pass(
     low: Vec<Image>,
-    first: &FirstPass,
     given: &Given,
     settings: &FitSettings,
     monitor: &dyn Monitor,
 ) -> Result<Vec<Pass>, Cancelled> {
     low.into_iter()
         .map(|low| {
-            let halves = first.rebuild(&[low.clone(), low.clone()], given, settings, monitor)?;
+            let halves = first_pass(&[low.clone(), low.clone()], given, settings, monitor)?;
             Ok(Pass { low, first: mean_of(&halves) })
         })
         .collect()

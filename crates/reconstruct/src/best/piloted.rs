@@ -65,9 +65,8 @@ impl<'a> Piloted<'a> {
         let noise = relative_noise(&layers);
         let samples = share_of_samples(&stack.samples.total, &settings.regression);
         let given = Given { layers: &layers, noise: &noise, samples: samples.as_deref(), features };
-        let first = first_pass::first_pass(&given, &settings.regression, monitor)?;
-        let passes = through_first_pass(low, &first, &given, &settings.regression, monitor)?;
-        let first = first.halves;
+        let first = first_pass::first_pass(&layers.halves, &given, &settings.regression, monitor)?;
+        let passes = through_first_pass(low, &given, &settings.regression, monitor)?;
         monitor.begin("spread", 1);
         let mut pilot = mean_of(&first);
         let coloured = with_colour(features, &pilot, settings.colour.guide);

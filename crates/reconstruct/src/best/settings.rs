@@ -56,10 +56,12 @@ stack::knobs! {
         /// A pixel on which the fits around it weigh less than this gets one of its own; 1 is what a fit at the pixel
         /// itself weighs, 0 leaves all pixels to the lattice.
         covered: f32 = 1.0, 0.0..=100.0;
+        /// Bandwidth k of the first pass's weights exp(−D/k²), D the distance of patches in units of their noise.
+        first_bandwidth: f32 = 0.5, 0.01..=100.0;
         /// Radius of the first pass's window, in pixels.
         first_radius: usize = 9, 1..=32;
         /// Radius of the second pass's window, in pixels.
-        second_radius: usize = 12, 1..=32;
+        second_radius: usize = 11, 1..=32;
         /// Ridge without noise, relative to features of unit scale.
         ridge: f32 = 1e-5, 1e-9..=1.0;
         /// Ridge per relative variance: the noisier the pixels, the flatter the fit.

@@ -66,17 +66,6 @@ impl Layers {
             events: Events { light, energy, squares },
         }
     }
-
-    /// Σ over halves and channels of (x − y)² − v at `pixel`, x the value of one of `halves` and y the noisy one of the
-    /// other half: twice the expected squared error of half a picture, if x knows nothing of y.
-    pub fn cross_error(&self, halves: &[Image; 2], pixel: usize) -> f32 {
-        let v = self.variance.rgb(pixel);
-        let of_half = |half: usize| {
-            let (x, y) = (halves[half].rgb(pixel), self.halves[1 - half].rgb(pixel));
-            (0..3).map(|c| (x[c] - y[c]).powi(2) - v[c]).sum::<f32>()
-        };
-        of_half(0) + of_half(1)
-    }
 }
 
 /// Splits `component`.

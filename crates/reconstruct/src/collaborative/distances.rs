@@ -1,167 +1,170 @@
-//! Distances between the patches of some pixels and those of their windows.
-
-use std::ops::Range;
+//! Distances between a pixel's patch and those of its window.
 
 use pulp::Simd;
 
 use super::fitted::Guides;
-use super::pairs::PairImages;
 use super::region::Region;
+use crate::eight::{Eight, LANES, Lanes};
 use crate::rectangle::Rectangle;
 
 /// Distance of pixels outside the image: no bandwidth makes a weight of it.
 const FAR: f32 = 1e9;
 
-/// Distances of one tile's fits (equation 11), which are few among its pixels: distances of single pixels are summed
-/// over patches where a fit is, and nowhere else. A pair of pixels is compared once for both its ends.
+/// Distances (equation 11) of one tile's fits, which are few among its pixels: each is compared by itself.
 #[derive(Debug)]
 pub struct WindowDistances<'a> {
-    guides: Guides<'a>,
-    pairs: PairImages,
-    /// Sums over the height of a patch, with a patch's radius of zeros on either side, and over its width too.
-    columns: Vec<f32>,
-    sums: Vec<f32>,
-    distances: Vec<f32>,
+    guides: &'a Guides<'a>,
+    /// The variances, then the values of each picture, then 1 where the image has a pixel.
+    region: Region,
 }
 
-/// Pixels of one row that carry fits.
-struct FitRow<'f> {
-    y: usize,
-    /// Number of the first one.
-    first: usize,
-    fits: &'f [[usize; 2]],
-}
-
-/// Where one image of pairs belongs.
-struct Place {
-    /// The pixels whose pairs there are.
-    valid: Rectangle,
-    /// Number of the picture that was compared, and of the direction.
-    picture: usize,
-    direction: usize,
-    /// What is added to a pixel of `valid` to get the one that carries the fit.
-    shift: [isize; 2],
-    /// Number in the window.
-    number: usize,
+/// One channel of one pixel of the patch around a fit.
+struct Term<const PICTURES: usize> {
+    variance: f32,
+    values: [f32; PICTURES],
+    /// Where the same numbers lie of the window's first pixel, and whether there is such a pixel.
+    variance_at: usize,
+    values_at: [usize; PICTURES],
+    inside_at: usize,
 }
 
 impl<'a> WindowDistances<'a> {
-    /// Compares patches of `guides`.
-    pub fn new(guides: &Guides<'a>) -> Self {
-        let pairs = PairImages::new(guides);
-        Self { guides: *guides, pairs, columns: Vec::new(), sums: Vec::new(), distances: Vec::new() }
+    /// Compares patches of `guides` around the pixels of `tile`.
+    pub fn new(guides: &'a Guides<'a>, tile: Rectangle) -> Self {
+        let Guides { size, values, variances, .. } = *guides;
+        let planes: Vec<&[f32]> = variances.iter().chain(values.iter().copied().flatten()).map(Vec::as_slice).collect();
+        Self { guides, region: Region::cut(&planes, size, tile, guides.radius + guides.comparison.patch_radius) }
     }
 
-    /// The distances of the pixels `fits` of `tile`, given row by row: for each picture, for each of them those of its
-    /// window, row by row.
+    /// The distances of the pixel `fit` to those of its window, for some `pictures`: row by row in a list for each, rows
+    /// padded to groups of eight with numbers that mean nothing.
     #[inline(always)]
-    pub fn compute<S: Simd>(&mut self, simd: S, tile: Rectangle, fits: &[[usize; 2]]) -> &[f32] {
-        let Guides { size, values, variances, radius, comparison } = self.guides;
-        let planes: Vec<&[f32]> = variances.iter().chain(values.iter().copied().flatten()).map(Vec::as_slice).collect();
-        let region = Region::cut(planes.into_iter(), size, tile, radius + comparison.patch_radius);
-        let rows = rows_of(fits);
-        let around = tile.grown(comparison.patch_radius, size);
-        let reached: Vec<bool> = (around.y0..around.y1)
-            .map(|y| rows.iter().any(|row| row.y.abs_diff(y) <= comparison.patch_radius))
-            .collect();
-        let near = |y: usize| reached.get(y.wrapping_sub(around.y0)).is_some_and(|reached| *reached);
-        self.distances.clear();
-        self.distances.resize(values.len() * fits.len() * self.guides.window(), FAR);
-        // The second half of the window's offsets; the first is their mirror image.
-        for (i, offset) in offsets(radius).enumerate().skip(self.guides.window() / 2) {
-            let valid = both_ways(around, offset).where_inside(offset, size);
-            if valid.width() == 0 || valid.height() == 0 {
-                continue;
+    pub fn compute<S: Simd, const PICTURES: usize>(
+        &self,
+        simd: S,
+        fit: [usize; 2],
+        pictures: [usize; PICTURES],
+        mut out: [&mut [Lanes]; PICTURES],
+    ) {
+        let Guides { size, radius, comparison, .. } = *self.guides;
+        let reach = radius + comparison.patch_radius;
+        let [x, y] = fit;
+        let is_inside = x >= reach && y >= reach && x + reach < size.width && y + reach < size.height;
+        let comparing = Comparing { distances: self, fit, terms: self.terms(fit, pictures) };
+        if is_inside {
+            comparing.rows::<S, false>(simd, &mut out);
+        } else {
+            comparing.rows::<S, true>(simd, &mut out);
+        }
+    }
+
+    /// What is summed over a patch.
+    fn terms<const PICTURES: usize>(&self, [x, y]: [usize; 2], pictures: [usize; PICTURES]) -> Vec<Term<PICTURES>> {
+        let Guides { size, variances, comparison, radius, .. } = *self.guides;
+        let patch = Rectangle { x0: x, y0: y, x1: x + 1, y1: y + 1 }.grown(comparison.patch_radius, size);
+        let pixels = (patch.y0..patch.y1).flat_map(|y| (patch.x0..patch.x1).map(move |x| [x, y]));
+        let channels = variances.len();
+        let term = |[x, y]: [usize; 2], channel: usize| {
+            let to_window = radius * (self.region.width() + 1);
+            let inside_at = self.region.inside_index(x, y) - to_window;
+            let planes = pictures.map(|picture| (picture + 1) * channels + channel);
+            let variance = self.region.index(channel, x, y);
+            let values = planes.map(|plane| self.region.index(plane, x, y));
+            Term {
+                variance: self.region.from(variance)[0],
+                values: values.map(|index| self.region.from(index)[0]),
+                variance_at: variance - to_window,
+                values_at: values.map(|index| index - to_window),
+                inside_at,
             }
-            let needed = |y: usize| near(y) || near(y.wrapping_add_signed(offset[1]));
-            self.pairs.compare(simd, &self.guides, &region, valid, offset, needed);
-            for picture in 0..values.len() {
-                let forward = Place { valid, picture, direction: 0, shift: [0, 0], number: i };
-                let back = Place { direction: 1, shift: offset, number: self.guides.window() - 1 - i, ..forward };
-                for row in &rows {
-                    self.sum_patches(row, &forward, fits.len());
-                    if offset != [0, 0] {
-                        self.sum_patches(row, &back, fits.len());
-                    }
+        };
+        pixels.flat_map(|pixel| (0..channels).map(move |channel| term(pixel, channel))).collect()
+    }
+}
+
+/// One fit's comparison with its window. Where `BORDER`, pairs of which one lies outside the image do not count.
+struct Comparing<'d, const PICTURES: usize> {
+    distances: &'d WindowDistances<'d>,
+    fit: [usize; 2],
+    terms: Vec<Term<PICTURES>>,
+}
+
+impl<const PICTURES: usize> Comparing<'_, PICTURES> {
+    #[inline(always)]
+    fn rows<S: Simd, const BORDER: bool>(&self, simd: S, out: &mut [&mut [Lanes]; PICTURES]) {
+        let WindowDistances { guides, region } = self.distances;
+        let groups = guides.groups();
+        for row in 0..guides.side() {
+            let mut group = 0;
+            while group < groups {
+                let (place, at) = (row * region.width() + group * LANES, row * groups + group);
+                // As many as the processor has registers for.
+                group += match groups - group {
+                    1 => self.batch::<S, 1, BORDER>(simd, place, at, out),
+                    2 => self.batch::<S, 2, BORDER>(simd, place, at, out),
+                    3 => self.batch::<S, 3, BORDER>(simd, place, at, out),
+                    _ => self.batch::<S, 4, BORDER>(simd, place, at, out),
+                };
+            }
+        }
+    }
+
+    /// `B` groups of eight pixels, from `place` in the window on, into `out` from number `at` on; `B`.
+    #[inline(always)]
+    fn batch<S: Simd, const B: usize, const BORDER: bool>(
+        &self,
+        simd: S,
+        place: usize,
+        at: usize,
+        out: &mut [&mut [Lanes]; PICTURES],
+    ) -> usize {
+        let WindowDistances { guides, region } = self.distances;
+        let [zero, one] = [0.0, 1.0].map(|value| Eight::splat(simd, value));
+        let (epsilon, taken_off) = (guides.comparison.epsilon, guides.comparison.noise_taken_off);
+        let (mut noise, mut squares, mut count) = ([zero; B], [[zero; B]; PICTURES], [zero; B]);
+        for term in &self.terms {
+            let variances = &region.from(term.variance_at + place)[..B * LANES];
+            let inside = if BORDER { &region.from(term.inside_at + place)[..B * LANES] } else { &[] };
+            let [here, tolerated] = [term.variance, term.variance + epsilon].map(|value| Eight::splat(simd, value));
+            let mut scale = [zero; B];
+            for b in 0..B {
+                let there = Eight::load(simd, &variances[b * LANES..]);
+                scale[b] = one.div(simd, tolerated.add(simd, there));
+                if BORDER {
+                    let inside = Eight::load(simd, &inside[b * LANES..]);
+                    count[b] = count[b].add(simd, inside);
+                    scale[b] = scale[b].mul(simd, inside);
+                }
+                if taken_off != 0.0 {
+                    noise[b] = here.add(simd, here.min(simd, there)).mul_add(simd, scale[b], noise[b]);
+                }
+            }
+            for p in 0..PICTURES {
+                let values = &region.from(term.values_at[p] + place)[..B * LANES];
+                let here = Eight::splat(simd, term.values[p]);
+                for b in 0..B {
+                    let difference = here.sub(simd, Eight::load(simd, &values[b * LANES..]));
+                    squares[p][b] = difference.mul(simd, difference).mul_add(simd, scale[b], squares[p][b]);
                 }
             }
         }
-        &self.distances
-    }
-
-    /// Means over the patches of all fits of a row, as far as both pixels of a pair lie inside the image.
-    #[inline(always)]
-    fn sum_patches(&mut self, row: &FitRow, place: &Place, fits: usize) {
-        let Place { valid, picture, direction, shift: [dx, dy], number } = *place;
-        let Some(centre) = row.y.checked_add_signed(-dy).filter(|y| (valid.y0..valid.y1).contains(y)) else { return };
-        let rows = self.reach(centre, valid.y0..valid.y1);
-        self.sum_rows(rows.start - valid.y0..rows.end - valid.y0, valid.width(), picture, direction);
-        let scale = 1.0 / (rows.len() * self.guides.variances.len()) as f32;
-        let whole = scale / (2 * self.guides.comparison.patch_radius + 1) as f32;
-        let window = self.guides.window();
-        let first = (picture * fits + row.first) * window + number;
-        let (radius, width) = (self.guides.comparison.patch_radius, valid.width());
-        for (fit, [x, _]) in row.fits.iter().enumerate() {
-            // Far beyond the width where it lies to the left.
-            let column = x.wrapping_add_signed(-dx).wrapping_sub(valid.x0);
-            if column >= width {
-                continue;
-            }
-            let is_whole = column >= radius && column + radius < width;
-            let scale = if is_whole { whole } else { scale / self.reach(column, 0..width).len() as f32 };
-            self.distances[first + fit * window] = (self.sums[column] * scale).max(0.0);
-        }
-    }
-
-    /// Sums over patches as wide as `rows` are high, for all `width` columns.
-    #[inline(always)]
-    fn sum_rows(&mut self, rows: Range<usize>, width: usize, picture: usize, direction: usize) {
-        let radius = self.guides.comparison.patch_radius;
-        let (image, pitch) = (self.pairs.image(picture, direction), self.pairs.pitch);
-        self.columns.clear();
-        self.columns.resize(width + 2 * radius, 0.0);
-        let columns = &mut self.columns[radius..radius + width];
-        for row in rows {
-            let pixels = &image[row * pitch..][..width];
-            for i in 0..width {
-                columns[i] += pixels[i];
+        let less_noise = Eight::splat(simd, -taken_off);
+        let share = Eight::splat(simd, 1.0 / self.terms.len() as f32);
+        for b in 0..B {
+            for p in 0..PICTURES {
+                let sum = noise[b].mul_add(simd, less_noise, squares[p][b]).max(simd, zero);
+                out[p][at + b] = if BORDER {
+                    let start = region.inside_index(self.fit[0], self.fit[1]) - guides.radius * (region.width() + 1);
+                    let inside = Eight::load(simd, region.from(start + place + b * LANES));
+                    let outside = Eight::splat(simd, FAR).mul(simd, one.sub(simd, inside));
+                    sum.div(simd, count[b].max(simd, one)).mul_add(simd, inside, outside).lanes()
+                } else {
+                    sum.mul(simd, share).lanes()
+                };
             }
         }
-        self.sums.clear();
-        self.sums.extend_from_slice(&self.columns[..width]);
-        for shift in 1..=2 * radius {
-            let (sums, columns) = (&mut self.sums[..width], &self.columns[shift..shift + width]);
-            for i in 0..width {
-                sums[i] += columns[i];
-            }
-        }
+        B
     }
-
-    /// Rows (or columns) of the patch around `centre` that lie in `within`.
-    #[inline(always)]
-    fn reach(&self, centre: usize, within: Range<usize>) -> Range<usize> {
-        let radius = self.guides.comparison.patch_radius;
-        centre.saturating_sub(radius).max(within.start)..(centre + radius + 1).min(within.end)
-    }
-}
-
-/// The pixels of `around`, and those from which the offset leads into it.
-fn both_ways(around: Rectangle, [dx, dy]: [isize; 2]) -> Rectangle {
-    let low = |start: usize, d: isize| start.min(start.saturating_add_signed(-d));
-    let high = |end: usize, d: isize| end.max(end.saturating_add_signed(-d));
-    Rectangle { x0: low(around.x0, dx), y0: low(around.y0, dy), x1: high(around.x1, dx), y1: high(around.y1, dy) }
-}
-
-/// Fits by rows.
-fn rows_of(fits: &[[usize; 2]]) -> Vec<FitRow<'_>> {
-    let mut first = 0;
-    fits.chunk_by(|a, b| a[1] == b[1])
-        .map(|fits| {
-            let row = FitRow { y: fits[0][1], first, fits };
-            first += fits.len();
-            row
-        })
-        .collect()
 }
 
 /// Offsets [dx, dy] of a window, row by row.

@@ -2,6 +2,7 @@
 
 use stack::Size;
 
+use crate::eight::LANES;
 use crate::patch_distance::{Comparison, NoisyPlanes};
 
 /// Which pixels resemble each other.
@@ -36,9 +37,9 @@ impl Guides<'_> {
         2 * self.radius + 1
     }
 
-    /// Pixels in a window.
-    pub fn window(&self) -> usize {
-        self.side().pow(2)
+    /// Groups of eight pixels that a row of a window needs.
+    pub fn groups(&self) -> usize {
+        self.side().div_ceil(LANES)
     }
 }
 

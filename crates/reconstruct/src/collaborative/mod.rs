@@ -7,7 +7,6 @@
 mod distances;
 mod fitted;
 mod moments;
-mod pairs;
 mod plane;
 mod region;
 mod row;
@@ -27,7 +26,7 @@ pub use distances::offsets;
 pub use fitted::{Fitted, Guide, Guides, Kernel, Ridge};
 pub use row::{FEATURES, RESPONSES};
 use sums::Sums;
-use tile::{Candidate, fit_tile};
+use tile::{Candidate, Fits, fit_tile};
 
 /// Fits along a side of the tiles that are worked on one by one.
 const FITS: usize = 16;
@@ -106,24 +105,24 @@ impl Sweep<'_> {
         wants: impl Fn(usize, usize, usize) -> bool + Sync,
     ) -> Result<(), Cancelled> {
         for wave in tiles.chunks(WAVE * rayon::current_num_threads()) {
-            let parts: Vec<Vec<Sums>> =
+            let parts: Vec<Option<Fits>> =
                 wave.par_iter().map(|tile| self.tile(*tile, &wants)).collect::<Result<_, _>>()?;
             sums.par_iter_mut().enumerate().for_each(|(candidate, sums)| {
-                for (tile, part) in wave.iter().zip(&parts) {
-                    part.get(candidate).into_iter().for_each(|part| sums.add(*tile, self.guides.radius, part));
+                for Fits { tile, sums: parts } in parts.iter().flatten() {
+                    sums.add(*tile, self.guides.radius, &parts[candidate]);
                 }
             });
         }
         Ok(())
     }
 
-    fn tile(&self, tile: Rectangle, wants: impl Fn(usize, usize, usize) -> bool) -> Result<Vec<Sums>, Cancelled> {
+    fn tile(&self, tile: Rectangle, wants: impl Fn(usize, usize, usize) -> bool) -> Result<Option<Fits>, Cancelled> {
         if self.monitor.cancelled() {
             return Err(Cancelled);
         }
-        let sums = fit_tile(self.fitted, self.guides, self.candidates, tile, wants);
+        let fits = fit_tile(self.fitted, self.guides, self.candidates, tile, wants);
         self.monitor.advance(1);
-        Ok(sums)
+        Ok(fits)
     }
 }
 

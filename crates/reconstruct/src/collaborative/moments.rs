@@ -5,20 +5,35 @@ use std::ops::Range;
 use pulp::Simd;
 
 use super::row::{FEATURES, Row, WIDTH};
-use crate::eight::{Eight, LANES, sum_of_lanes};
+use crate::eight::{Eight, LANES, Lanes, sum_of_lanes};
 
-/// Pixels that are worked on together: their numbers stay in the innermost cache.
-const CHUNK: usize = 128;
+/// Groups of eight pixels that are worked on together: their numbers stay in the innermost cache.
+const CHUNK: usize = 16;
 
 /// Rows of the matrix of sums: the weights themselves, and each feature times them.
 const ROWS: usize = FEATURES + 1;
 
-/// Sums over the pixels of a window that stand in the same lane.
-type Sums = [[[f32; LANES]; WIDTH]; ROWS];
+/// Buffers that are kept between fits.
+#[derive(Debug)]
+pub struct Products {
+    /// Sums over the pixels of a window that stand in the same lane.
+    sums: [[Lanes; WIDTH]; ROWS],
+    /// A chunk's weights, and its features times these.
+    weighted: [[Lanes; CHUNK]; ROWS],
+}
 
-/// Moments about the window's weighted mean, divided by the sum of weights.
+impl Products {
+    /// Nothing yet.
+    pub fn new() -> Self {
+        Self { sums: [[[0.0; LANES]; WIDTH]; ROWS], weighted: [[[0.0; LANES]; CHUNK]; ROWS] }
+    }
+}
+
+/// Moments about the window's weighted mean, divided by the sum of weights. Responses follow the last feature.
 #[derive(Clone, Copy, Debug)]
 pub struct Moments {
+    /// How many features there are.
+    pub features: usize,
     /// Covariances of each feature with all features and responses.
     pub covariance: [Row; FEATURES],
     /// Weighted mean.
@@ -27,113 +42,111 @@ pub struct Moments {
     pub weight: f32,
 }
 
-/// Moments of `columns`, the features and then the responses of a window, with one of `weights` for each pixel; all
-/// equally long, a multiple of [`LANES`]. Fused multiplications are used on every machine alike.
-#[inline(always)]
-pub fn moments<S: Simd>(simd: S, columns: &[&[f32]], weights: &[f32]) -> Moments {
-    let mut sums = [[[0.0; LANES]; WIDTH]; ROWS];
-    let mut weighted = [[0.0; CHUNK]; ROWS];
-    let mut total = Eight::splat(simd, 0.0);
-    for start in (0..weights.len()).step_by(CHUNK) {
-        let chunk = start..(start + CHUNK).min(weights.len());
-        for at in (0..chunk.len()).step_by(LANES) {
-            let weight = Eight::load(simd, &weights[start + at..]);
-            total = total.add(simd, weight);
-            weight.store(&mut weighted[0][at..]);
-            for j in 0..FEATURES {
-                weight.mul(simd, Eight::load(simd, &columns[j][start + at..])).store(&mut weighted[j + 1][at..]);
+impl Products {
+    /// Moments of `columns`, so many `features` and then the responses of a window, with one of `weights` for each pixel;
+    /// all equally long. Fused multiplications are used on every machine alike.
+    #[inline(always)]
+    pub fn moments<S: Simd>(&mut self, simd: S, columns: &[&[Lanes]], features: usize, weights: &[Lanes]) -> Moments {
+        for row in &mut self.sums[..=features] {
+            row[..columns.len()].fill([0.0; LANES]);
+        }
+        let mut total = Eight::splat(simd, 0.0);
+        for start in (0..weights.len()).step_by(CHUNK) {
+            let chunk = start..(start + CHUNK).min(weights.len());
+            for (at, weight) in weights[chunk.clone()].iter().enumerate() {
+                let weight = Eight::of(simd, weight);
+                total = total.add(simd, weight);
+                self.weighted[0][at] = weight.lanes();
+                for j in 0..features {
+                    self.weighted[j + 1][at] = weight.mul(simd, Eight::of(simd, &columns[j][start + at])).lanes();
+                }
+            }
+            for first in (0..=features).step_by(3) {
+                match features - first {
+                    0 => self.add_rows::<S, 1>(simd, columns, &chunk, first),
+                    1 => self.add_rows::<S, 2>(simd, columns, &chunk, first),
+                    _ => self.add_rows::<S, 3>(simd, columns, &chunk, first),
+                }
             }
         }
-        add_products::<S, 3>(simd, columns, &chunk, &weighted, 0, &mut sums);
-        add_products::<S, 3>(simd, columns, &chunk, &weighted, 3, &mut sums);
-        add_products::<S, 3>(simd, columns, &chunk, &weighted, 6, &mut sums);
-        add_products::<S, 2>(simd, columns, &chunk, &weighted, 9, &mut sums);
+        centred(&self.sums, columns.len(), features, total.sum())
     }
-    let mut weight = [0.0; LANES];
-    total.store(&mut weight);
-    centred(&sums, columns.len(), sum_of_lanes(&weight))
-}
 
-/// Adds the products of `R` rows of `weighted`, from number `first` on, with all columns that they have not met in the
-/// rows before: the matrix is symmetric.
-#[inline(always)]
-fn add_products<S: Simd, const R: usize>(
-    simd: S,
-    columns: &[&[f32]],
-    chunk: &Range<usize>,
-    weighted: &[[f32; CHUNK]; ROWS],
-    first: usize,
-    sums: &mut Sums,
-) {
-    let mut column = first.saturating_sub(1);
-    while column < columns.len() {
-        let columns = &columns[column..];
-        let (weighted, sums) = (&weighted[first..], &mut sums[first..]);
-        // As many sums at once as the processor has registers for.
-        column += match columns.len() {
-            1 => add_block::<S, R, 1>(simd, columns, chunk, weighted, sums, column),
-            2 => add_block::<S, R, 2>(simd, columns, chunk, weighted, sums, column),
-            3 => add_block::<S, R, 3>(simd, columns, chunk, weighted, sums, column),
-            _ => add_block::<S, R, 4>(simd, columns, chunk, weighted, sums, column),
-        };
+    /// Adds the products of `R` rows, from number `first` on, with all columns that they have not met in the rows before:
+    /// the matrix is symmetric.
+    #[inline(always)]
+    fn add_rows<S: Simd, const R: usize>(&mut self, simd: S, columns: &[&[Lanes]], chunk: &Range<usize>, first: usize) {
+        let mut column = first.saturating_sub(1);
+        while column < columns.len() {
+            // As many sums at once as the processor has registers for.
+            column += match columns.len() - column {
+                1 => self.add_block::<S, R, 1>(simd, columns, chunk, first, column),
+                2 => self.add_block::<S, R, 2>(simd, columns, chunk, first, column),
+                3 => self.add_block::<S, R, 3>(simd, columns, chunk, first, column),
+                _ => self.add_block::<S, R, 4>(simd, columns, chunk, first, column),
+            };
+        }
     }
-}
 
-/// Adds the products of the first `R` of `weighted` with the first `K` of `columns`; K.
-#[inline(always)]
-fn add_block<S: Simd, const R: usize, const K: usize>(
-    simd: S,
-    columns: &[&[f32]],
-    chunk: &Range<usize>,
-    weighted: &[[f32; CHUNK]],
-    sums: &mut [[[f32; LANES]; WIDTH]],
-    column: usize,
-) -> usize {
-    let length = chunk.len();
-    let mut from: [&[f32]; K] = [&[]; K];
-    for k in 0..K {
-        from[k] = &columns[k][chunk.start..chunk.end];
-    }
-    let mut block = [[Eight::splat(simd, 0.0); K]; R];
-    for at in (0..length).step_by(LANES) {
-        let mut factors = [Eight::splat(simd, 0.0); R];
+    /// Adds the products of `R` rows from number `first` on with `K` columns from number `column` on; `K`.
+    #[inline(always)]
+    fn add_block<S: Simd, const R: usize, const K: usize>(
+        &mut self,
+        simd: S,
+        columns: &[&[Lanes]],
+        chunk: &Range<usize>,
+        first: usize,
+        column: usize,
+    ) -> usize {
+        let length = chunk.len();
+        let (mut rows, mut from): ([&[Lanes]; R], [&[Lanes]; K]) = ([&[]; R], [&[]; K]);
         for r in 0..R {
-            factors[r] = Eight::load(simd, &weighted[r][at..]);
+            rows[r] = &self.weighted[first + r][..length];
         }
         for k in 0..K {
-            let value = Eight::load(simd, &from[k][at..]);
+            from[k] = &columns[column + k][chunk.start..][..length];
+        }
+        let mut block = [[Eight::splat(simd, 0.0); K]; R];
+        for at in 0..length {
+            let mut factors = [Eight::splat(simd, 0.0); R];
             for r in 0..R {
-                block[r][k] = factors[r].mul_add(simd, value, block[r][k]);
+                factors[r] = Eight::of(simd, &rows[r][at]);
+            }
+            for k in 0..K {
+                let value = Eight::of(simd, &from[k][at]);
+                for r in 0..R {
+                    block[r][k] = factors[r].mul_add(simd, value, block[r][k]);
+                }
             }
         }
-    }
-    for r in 0..R {
-        for k in 0..K {
-            let sum = &mut sums[r][column + k];
-            block[r][k].add(simd, Eight::load(simd, sum)).store(sum);
+        for r in 0..R {
+            for k in 0..K {
+                let sum = &mut self.sums[first + r][column + k];
+                *sum = block[r][k].add(simd, Eight::of(simd, sum)).lanes();
+            }
         }
+        K
     }
-    K
 }
 
 /// Sums of products made into covariances.
 #[inline(always)]
-fn centred(sums: &Sums, columns: usize, weight: f32) -> Moments {
+fn centred(sums: &[[Lanes; WIDTH]; ROWS], columns: usize, features: usize, weight: f32) -> Moments {
     let scale = 1.0 / weight.max(1e-20);
     let (mut covariance, mut mean) = ([[0.0; WIDTH]; FEATURES], [0.0; WIDTH]);
     for k in 0..columns {
         mean[k] = sum_of_lanes(&sums[0][k]) * scale;
     }
-    for j in 0..FEATURES {
+    for j in 0..features {
         for k in j..columns {
             covariance[j][k] = sum_of_lanes(&sums[j + 1][k]) * scale - mean[j] * mean[k];
-            if k < FEATURES {
+            if k < features {
                 covariance[k][j] = covariance[j][k];
             }
         }
     }
-    Moments { covariance, mean, weight }
+    Moments { features, covariance, mean, weight }
 }
 
 #[cfg(test)]
-mod tests;
+pub mod tests;

@@ -13,27 +13,27 @@ pub struct Region {
     margin: usize,
     width: usize,
     height: usize,
+    planes: usize,
+    /// The planes, and one that is 1 inside the image.
     values: Vec<f32>,
 }
 
 impl Region {
     /// Cuts `planes`, each of an image of `size`.
-    pub fn cut<'p>(
-        planes: impl ExactSizeIterator<Item = &'p [f32]>,
-        size: Size,
-        tile: Rectangle,
-        margin: usize,
-    ) -> Self {
+    pub fn cut(planes: &[&[f32]], size: Size, tile: Rectangle, margin: usize) -> Self {
         let (width, height) = (tile.width() + 2 * margin, tile.height() + 2 * margin);
-        let values = vec![0.0; planes.len() * width * height + LANES];
-        let mut region = Self { corner: [tile.x0, tile.y0], margin, width, height, values };
+        let values = vec![0.0; (planes.len() + 1) * width * height + LANES];
+        let corner = [tile.x0, tile.y0];
+        let mut region = Self { corner, margin, width, height, planes: planes.len(), values };
         let inside = tile.grown(margin, size);
-        for (number, plane) in planes.enumerate() {
-            for y in inside.y0..inside.y1 {
+        for y in inside.y0..inside.y1 {
+            let from = size.index(inside.x0, y);
+            for (number, plane) in planes.iter().enumerate() {
                 let to = region.index(number, inside.x0, y);
-                let from = size.index(inside.x0, y);
                 region.values[to..to + inside.width()].copy_from_slice(&plane[from..from + inside.width()]);
             }
+            let to = region.inside_index(inside.x0, y);
+            region.values[to..to + inside.width()].fill(1.0);
         }
         region
     }
@@ -48,6 +48,12 @@ impl Region {
     pub fn index(&self, number: usize, x: usize, y: usize) -> usize {
         let [x0, y0] = self.corner;
         (number * self.height + y + self.margin - y0) * self.width + x + self.margin - x0
+    }
+
+    /// Where it stands whether the image has that pixel: 1, else 0.
+    #[inline(always)]
+    pub fn inside_index(&self, x: usize, y: usize) -> usize {
+        self.index(self.planes, x, y)
     }
 
     /// Where the window of a pixel begins in plane `number`, if the margin is the window's radius.

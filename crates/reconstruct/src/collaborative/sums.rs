@@ -1,34 +1,42 @@
 //! Predictions added up by weight.
 
+use pulp::Simd;
 use stack::Size;
 
+use crate::eight::{Eight, LANES, Lanes};
 use crate::rectangle::Rectangle;
 
 /// Per pixel, responses and weights added up: one plane for each response, then one of the weights.
 #[derive(Clone, Debug)]
 pub struct Sums {
     size: Size,
+    /// A few more numbers follow the last pixel, for groups of eight that begin with it.
     planes: Vec<Vec<f32>>,
 }
 
 impl Sums {
     /// Nothing yet.
     pub fn zeros(size: Size, responses: usize) -> Self {
-        Self { size, planes: vec![vec![0.0; size.pixels()]; responses + 1] }
+        Self { size, planes: vec![vec![0.0; size.pixels() + LANES - 1]; responses + 1] }
     }
 
-    /// Adds the `predictions` of a window of `side` × `side` pixels, list after list and multiplied by `weights`
-    /// already, whose first pixel is number `first`.
+    /// Adds the `predictions` of a fit in groups of eight, list after list and multiplied by `weights` already. Groups lie
+    /// at `places` counted from pixel number `first`; what reaches past the end of a row has no weight.
     #[inline(always)]
-    pub fn add_window(&mut self, first: usize, side: usize, predictions: &[f32], weights: &[f32]) {
-        let (width, last) = (self.size.width, self.planes.len() - 1);
+    pub fn add_groups<S: Simd>(
+        &mut self,
+        simd: S,
+        first: usize,
+        places: &[usize],
+        predictions: &[Lanes],
+        weights: &[Lanes],
+    ) {
+        let last = self.planes.len() - 1;
         for (number, plane) in self.planes.iter_mut().enumerate() {
             let list = if number == last { weights } else { &predictions[number * weights.len()..][..weights.len()] };
-            for row in 0..side {
-                let (to, from) = (&mut plane[first + row * width..][..side], &list[row * side..][..side]);
-                for i in 0..side {
-                    to[i] += from[i];
-                }
+            for (place, group) in places.iter().zip(list) {
+                let to = &mut plane[first + place..][..LANES];
+                Eight::load(simd, to).add(simd, Eight::of(simd, group)).store(to);
             }
         }
     }
@@ -47,13 +55,14 @@ impl Sums {
 
     /// Which pixels have got less weight than `least`.
     pub fn lighter_than(&self, least: f32) -> Vec<bool> {
-        self.planes[self.planes.len() - 1].iter().map(|weight| *weight < least).collect()
+        self.planes[self.planes.len() - 1][..self.size.pixels()].iter().map(|weight| *weight < least).collect()
     }
 
     /// The weighted means, one plane per response.
     pub fn into_means(mut self) -> Vec<Vec<f32>> {
         let weights = self.planes.pop().unwrap_or_default();
         for plane in &mut self.planes {
+            plane.truncate(self.size.pixels());
             plane.iter_mut().zip(&weights).for_each(|(sum, weight)| *sum /= weight.max(1e-20));
         }
         self.planes

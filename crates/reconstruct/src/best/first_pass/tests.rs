@@ -2,6 +2,7 @@
 
 use stack::{Silent, Size};
 
+use super::super::split::Layers;
 use super::super::test_scene::{error, flat, layers, two_halves, walls};
 use super::*;
 
@@ -14,7 +15,7 @@ fn settings() -> FitSettings {
 fn run(layers: &Layers, noise: f32) -> [Image; 2] {
     let (noise, features) = (vec![noise; SIZE.pixels()], two_halves(SIZE));
     let given = Given { layers, noise: &noise, samples: None, features: &features };
-    first_pass(&given, &settings(), &Silent).unwrap().halves
+    first_pass(&layers.halves, &given, &settings(), &Silent).unwrap()
 }
 
 #[test]

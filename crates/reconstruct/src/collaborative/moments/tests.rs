@@ -12,29 +12,47 @@ fn random_window(count: usize, seed: u64) -> (Vec<Row>, Vec<f32>) {
     (rows, weights)
 }
 
-/// The rows as padded columns, and the weights as long as these.
-pub fn padded(rows: &[Row], weights: &[f32]) -> (Vec<Vec<f32>>, Vec<f32>) {
-    let length = rows.len().next_multiple_of(LANES);
-    let pad = |values: Vec<f32>| values.into_iter().chain(std::iter::repeat(0.0)).take(length).collect::<Vec<f32>>();
+/// The rows as columns, and the weights, in groups of eight padded with zeros.
+pub fn padded(rows: &[Row], weights: &[f32]) -> (Vec<Vec<Lanes>>, Vec<Lanes>) {
+    let pad = |values: Vec<f32>| -> Vec<Lanes> {
+        let group = |values: &[f32]| std::array::from_fn(|i| values.get(i).copied().unwrap_or(0.0));
+        values.chunks(LANES).map(group).collect()
+    };
     ((0..WIDTH).map(|j| pad(rows.iter().map(|row| row[j]).collect())).collect(), pad(weights.to_vec()))
 }
 
 fn moments_of(rows: &[Row], weights: &[f32]) -> Moments {
     let (columns, weights) = padded(rows, weights);
-    moments(pulp::Scalar, &columns.iter().map(Vec::as_slice).collect::<Vec<_>>(), &weights)
+    let columns: Vec<&[Lanes]> = columns.iter().map(Vec::as_slice).collect();
+    Products::new().moments(pulp::Scalar, &columns, FEATURES, &weights)
 }
 
 #[test]
 fn fewer_responses_have_the_same_moments() {
     let (rows, weights) = random_window(81, 8);
     let (columns, weights) = padded(&rows, &weights);
-    let columns: Vec<&[f32]> = columns.iter().map(Vec::as_slice).collect();
-    let all = moments(pulp::Scalar, &columns, &weights);
+    let columns: Vec<&[Lanes]> = columns.iter().map(Vec::as_slice).collect();
+    let mut products = Products::new();
+    let all = products.moments(pulp::Scalar, &columns, FEATURES, &weights);
     for responses in 0..=6 {
-        let some = moments(pulp::Scalar, &columns[..FEATURES + responses], &weights);
+        let some = products.moments(pulp::Scalar, &columns[..FEATURES + responses], FEATURES, &weights);
         for (all, some) in all.covariance.iter().zip(&some.covariance) {
             assert_eq!(all[..FEATURES + responses], some[..FEATURES + responses]);
         }
+    }
+}
+
+#[test]
+fn fewer_features_have_the_same_moments() {
+    let (rows, weights) = random_window(150, 9);
+    let (columns, weights) = padded(&rows, &weights);
+    let columns: Vec<&[Lanes]> = columns.iter().map(Vec::as_slice).collect();
+    let mut products = Products::new();
+    let all = products.moments(pulp::Scalar, &columns, FEATURES, &weights);
+    for features in 0..FEATURES {
+        let some = products.moments(pulp::Scalar, &columns, features, &weights);
+        assert_eq!((some.features, some.weight, some.mean), (features, all.weight, all.mean));
+        assert_eq!(some.covariance[..features], all.covariance[..features]);
     }
 }
 

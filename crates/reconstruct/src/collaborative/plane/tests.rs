@@ -1,9 +1,11 @@
 //! Planes against ridge regression by exact singular value decomposition.
 
-use super::super::moments::{Moments, moments};
-use super::super::row::{Row, WIDTH};
+use super::super::moments::tests::padded;
+use super::super::moments::{Moments, Products};
+use super::super::row::{RESPONSES, Row, WIDTH};
 use super::super::twin::{predicted, ridge_fit};
 use super::*;
+use crate::eight::LANES;
 use crate::test_noise::TestNoise;
 
 const SCALAR: pulp::Scalar = pulp::Scalar;
@@ -15,26 +17,20 @@ fn random_window(count: usize, seed: u64) -> (Vec<Row>, Vec<f32>) {
     (rows, weights)
 }
 
-fn lists(rows: &[Row]) -> Vec<Vec<f32>> {
-    let length = rows.len().next_multiple_of(LANES);
-    (0..WIDTH).map(|j| (0..length).map(|i| rows.get(i).map_or(0.0, |row| row[j])).collect()).collect()
-}
-
 fn moments_of(rows: &[Row], weights: &[f32]) -> Moments {
-    let lists = lists(rows);
-    let mut weights = weights.to_vec();
-    weights.resize(lists[0].len(), 0.0);
-    moments(SCALAR, &lists.iter().map(Vec::as_slice).collect::<Vec<_>>(), &weights)
+    let (columns, weights) = padded(rows, weights);
+    let columns: Vec<&[Lanes]> = columns.iter().map(Vec::as_slice).collect();
+    Products::new().moments(SCALAR, &columns, FEATURES, &weights)
 }
 
 /// What `plane` predicts at `rows`, times `weight`.
 fn predict(plane: &Plane, rows: &[Row], weight: f32) -> Vec<[f32; RESPONSES]> {
-    let lists = lists(rows);
-    let length = lists[0].len();
-    let mut out = vec![0.0; RESPONSES * length];
-    let lists: Vec<&[f32]> = lists.iter().map(Vec::as_slice).collect();
-    plane.predict(SCALAR, &lists, &vec![weight; length], RESPONSES, &mut out);
-    (0..rows.len()).map(|i| std::array::from_fn(|c| out[c * length + i])).collect()
+    let (columns, weights) = padded(rows, &vec![weight; rows.len()]);
+    let mut out = vec![[0.0; LANES]; RESPONSES * weights.len()];
+    let columns: Vec<&[Lanes]> = columns.iter().map(Vec::as_slice).collect();
+    plane.predict(SCALAR, &columns, &weights, RESPONSES, &mut out);
+    let of_response = |c: usize, i: usize| out[c * weights.len()..].as_flattened()[i];
+    (0..rows.len()).map(|i| std::array::from_fn(|c| of_response(c, i))).collect()
 }
 
 /// Responses of the fit of `rows` at `row`; both are relative to a centre with responses `centre`.

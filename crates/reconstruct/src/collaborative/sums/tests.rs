@@ -7,9 +7,9 @@ const SIZE: Size = Size::new(5, 4);
 /// The window of radius 1 around the only pixel of a tile, every prediction `value` with `weight`.
 fn part(value: f32, weight: f32) -> Sums {
     let mut part = Sums::zeros(Size::new(3, 3), 2);
-    let mut predictions = vec![value * weight; 32];
-    predictions[16..].fill(2.0 * value * weight);
-    part.add_window(0, 3, &predictions, &[weight; 16]);
+    let row = |value: f32| [value, value, value, 0.0, 0.0, 0.0, 0.0, 0.0];
+    let predictions = [[row(value * weight); 3], [row(2.0 * value * weight); 3]].concat();
+    part.add_groups(pulp::Scalar, 0, &[0, 3, 6], &predictions, &[row(weight); 3]);
     part
 }
 
