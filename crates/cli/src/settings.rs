@@ -84,7 +84,7 @@ impl Settings {
     }
 }
 
-/// The method of `best` for all light at once, with few fits in small windows, a smaller prefilter, fewer scales of details,
+/// The method of `best` for all light at once, with few fits in small windows, a smaller prefilter, fewer scales of details that both halves agree on,
 /// spread events as they fall, and candidates mixed by the rule alone.
 fn fast() -> BestSettings {
     let mut best = BestSettings::default();
@@ -97,6 +97,7 @@ fn fast() -> BestSettings {
     best.regression = FitSettings { tiny_sigma, ..regression };
     best.spread.levels = 0;
     best.cascade.levels = 4;
+    best.cascade.parts = 2;
     best.choice.learned = false;
     best
 }

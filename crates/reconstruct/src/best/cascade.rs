@@ -40,11 +40,11 @@ impl Parts {
 }
 
 /// Adds to `picture` what `parts` agree on and it lacks: the residual of each part, taken apart by `kernel` into
-/// details of growing scale. A detail d counts by E\[s\]/E\[d²\]; s = d² − c v is its signal, v its variance between
-/// parts and c the significance. Squares are multiplied by `relative`. Of more than two parts each is left out once, and
-/// the least signal counts: a firefly, which is in one part, is none. Both are smoothed at the detail's own scale and the
-/// next two. What is left at the coarsest scale counts in full.
-/// Never below zero. Reports the stage `cascade`.
+/// details of growing scale. A detail of luminance d counts by E\[s\]/E\[d²\]; s = d² − c v is its signal, v its variance
+/// between parts and c the significance; colours count as much. Squares are multiplied by `relative`. Of more than two parts
+/// each is left out once, and the least signal counts: a firefly, which is in one part, is none. Both are smoothed at the
+/// detail's own scale and the next two. What is left at the coarsest scale counts in full. Never below zero. Reports the stage
+/// `cascade`.
 ///
 /// # Errors
 /// When `monitor` cancels.
@@ -58,10 +58,10 @@ pub fn add_significant_residual(
 ) -> Result<(), Cancelled> {
     monitor.begin("cascade", settings.levels as u64);
     let Parts { images, shares } = parts;
+    let mut residual = residuals(images, &shares, picture);
     let parting = Parting::new(shares, relative, settings);
-    let mut residual = residuals(images, picture);
     let mut found = vec![vec![0.0; picture.pixels()]; 3];
-    let mut taps = kernel.taps(1);
+    let (mut taps, mut next) = (kernel.taps(1), kernel.taps(2));
     for level in 0..settings.levels {
         if monitor.cancelled() {
             return Err(Cancelled);
@@ -70,19 +70,17 @@ pub fn add_significant_residual(
         let mut detail = Detail::new(&parting, &residual, &coarse);
         residual = coarse;
         detail.smooth(&taps);
-        taps = kernel.taps(2 << level);
+        // Weighed once for three levels, and never more than two at a time: taps take more memory than anything else.
+        taps = next;
         detail.smooth(&taps);
-        // Weighed again two scales later: to keep these, or details until then, takes more memory than anything else.
-        detail.smooth(&kernel.taps(4 << level));
+        next = kernel.taps(4 << level);
+        detail.smooth(&next);
         detail.add_significant(&mut found);
         monitor.advance(1);
     }
-    let shares = parting.shares();
-    picture.channels_mut().par_iter_mut().zip(&found).enumerate().for_each(|(c, (plane, found))| {
-        for (i, (value, found)) in plane.iter_mut().zip(found).enumerate() {
-            let rest: f32 = shares.iter().enumerate().map(|(g, share)| share[i] * residual[3 * g + c][i]).sum();
-            *value = (*value + found + rest).max(0.0);
-        }
+    let rest = &residual[parting.parts()..];
+    picture.channels_mut().par_iter_mut().zip(found.par_iter().zip(rest)).for_each(|(plane, (found, rest))| {
+        plane.iter_mut().zip(found.iter().zip(rest)).for_each(|(v, (found, rest))| *v = (*v + found + rest).max(0.0));
     });
     Ok(())
 }
@@ -94,23 +92,28 @@ fn group_shares(counts: &SampleCounts, pixels: usize, groups: usize) -> Vec<Vec<
     (0..groups).into_par_iter().map(|group| (0..pixels).map(|pixel| share(pixel, group)).collect()).collect()
 }
 
-/// Groups minus `picture`, three planes for each group.
-fn residuals(mut groups: Vec<Image>, picture: &Image) -> Vec<Vec<f32>> {
-    for group in &mut groups {
-        for (y, x) in group.channels_mut().iter_mut().zip(picture.channels()) {
-            y.iter_mut().zip(x).for_each(|(y, x)| *y -= x);
+/// What the mean of each part has more than that of `picture`, then the same of their mean in every channel.
+fn residuals(parts: Vec<Image>, shares: &[Vec<f32>], picture: &Image) -> Vec<Vec<f32>> {
+    let mut mean = vec![vec![0.0; picture.pixels()]; 3];
+    mean.par_iter_mut().zip(picture.channels()).enumerate().for_each(|(c, (mean, plane))| {
+        for (part, shares) in parts.iter().zip(shares) {
+            let values = part.channels()[c].iter().zip(plane).zip(shares);
+            mean.iter_mut().zip(values).for_each(|(mean, ((part, whole), share))| *mean += share * (part - whole));
         }
-    }
-    groups.into_iter().flat_map(Image::into_channels).collect()
+    });
+    let luminance = |part: Image| -> Vec<f32> {
+        (0..picture.pixels()).map(|pixel| part.mean_at(pixel) - picture.mean_at(pixel)).collect()
+    };
+    parts.into_par_iter().map(luminance).chain(mean).collect()
 }
 
 /// One scale of the residual.
 struct Detail {
     /// Mean over parts, three planes.
     mean: Vec<Vec<f32>>,
-    /// Its square, relative, summed over channels, and smoothed as far as it is.
+    /// The square of its luminance, relative, and smoothed as far as it is.
     square: Vec<f32>,
-    /// The same of the signal: once, or with each part left out.
+    /// The same of its signal: once, or with each part left out.
     signals: Vec<Vec<f32>>,
 }
 

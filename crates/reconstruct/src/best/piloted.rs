@@ -6,7 +6,7 @@ use std::ops::Range;
 use stack::{Cancelled, Component, FeatureStack, Image, Monitor, Noise, SampleCounts};
 
 use super::alone::split_alone;
-use super::cascade::{MOST_PARTS, Parts, add_significant_residual, relative_to};
+use super::cascade::{Parts, add_significant_residual, relative_to};
 use super::choice::Contest;
 use super::colour_guide::with_colour;
 use super::features::GuideFeatures;
@@ -56,7 +56,7 @@ impl<'a> Piloted<'a> {
     ) -> Result<Self, ReconstructError> {
         monitor.begin("spikes", 1);
         let layers = layers_of(&component, stack, settings)?;
-        let parts = parts_of(&component, &stack.samples);
+        let parts = parts_of(&component, &stack.samples, settings.cascade.parts);
         let low = match passes {
             [] => Vec::new(),
             passes => low_layers(passes, &component.radiance.mean, &mean_of(&layers.halves)),
@@ -139,11 +139,11 @@ pub fn layers_of(
 }
 
 /// Independent parts of a component for the cascade.
-fn parts_of(component: &Component, samples: &SampleCounts) -> Option<Parts> {
+fn parts_of(component: &Component, samples: &SampleCounts, most: usize) -> Option<Parts> {
     let radiance = &component.radiance;
     match &radiance.noise {
         Noise::VarianceOfMean(variance) => Some(Parts::halves(evenly_recorrupted_halves(&radiance.mean, variance))),
-        _ => radiance.groups(samples, MOST_PARTS).map(|groups| Parts::new(groups, samples)),
+        _ => radiance.groups(samples, most).map(|groups| Parts::new(groups, samples)),
     }
 }
 

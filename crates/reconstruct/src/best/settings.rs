@@ -108,6 +108,8 @@ stack::knobs! {
         significance_of_two: f32 = 2.0, 0.0..=1000.0;
         /// Scales, each twice as coarse as the one before.
         levels: usize = 6, 0..=10;
+        /// Groups of buckets that details are judged by.
+        parts: usize = 8, 2..=8;
         /// Scale of the differences between features that separate surfaces.
         feature_scale: f32 = 0.3, 0.01..=10.0;
     }

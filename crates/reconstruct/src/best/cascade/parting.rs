@@ -28,14 +28,14 @@ impl Parting {
         Self { shares, relative, significance }
     }
 
-    /// The share of each part in the mean of every pixel.
-    pub fn shares(&self) -> &[Vec<f32>] {
-        &self.shares
+    /// How many parts there are.
+    pub fn parts(&self) -> usize {
+        self.shares.len()
     }
 
     /// How often a signal is estimated: with each part left out, or once where there are but two.
     pub fn signals(&self) -> usize {
-        if self.shares.len() > 2 { self.shares.len() } else { 1 }
+        if self.parts() > 2 { self.parts() } else { 1 }
     }
 
     /// m² − c v of the mean m of so many `filled` parts, whose variance is v and c the significance; 0 where one part
@@ -55,49 +55,53 @@ impl Parting {
     }
 }
 
-/// Residuals on two scales, three planes for each part. What is told of their difference: its mean in three channels, its
-/// relative square, and its signals.
+/// Residuals on two scales: the luminance of each part, then the mean of parts in three channels. What is told of their
+/// difference: its mean in three channels, and of its luminance the relative square and signals.
 pub struct Residuals<'a> {
     pub parting: &'a Parting,
     pub fine: &'a [Vec<f32>],
     pub coarse: &'a [Vec<f32>],
 }
 
+impl Residuals<'_> {
+    /// What plane `number` has on this scale.
+    #[inline(always)]
+    fn detail(&self, number: usize, pixels: Pixels) -> Lanes {
+        let (fine, coarse) = (pixels.of(&self.fine[number]), pixels.of(&self.coarse[number]));
+        let mut detail = [0.0; LANES];
+        (0..LANES).for_each(|i| detail[i] = fine[i] - coarse[i]);
+        detail
+    }
+}
+
 impl ByEight<{ 4 + MOST_PARTS }> for Residuals<'_> {
     #[inline(always)]
     fn numbers(&self, pixels: Pixels) -> [Lanes; 4 + MOST_PARTS] {
-        let Self { parting, fine, coarse } = *self;
+        let parting = self.parting;
         let mut numbers = [[0.0; LANES]; 4 + MOST_PARTS];
-        let mut shares = [[0.0; LANES]; MOST_PARTS];
-        shares.iter_mut().zip(&parting.shares).for_each(|(share, plane)| *share = pixels.of(plane));
-        let mut filled = [[0.0; LANES]; MOST_PARTS];
-        for (filled, share) in filled.iter_mut().zip(&shares) {
-            (0..LANES).for_each(|i| filled[i] = if share[i] > 0.0 { 1.0 } else { 0.0 });
+        let none = [[0.0; LANES]; MOST_PARTS];
+        let (mut shares, mut filled, mut firsts, mut seconds) = (none, none, none, none);
+        for part in 0..parting.parts() {
+            let share = pixels.of(&parting.shares[part]);
+            let detail = self.detail(part, pixels);
+            shares[part] = share;
+            for i in 0..LANES {
+                filled[part][i] = if share[i] > 0.0 { 1.0 } else { 0.0 };
+                firsts[part][i] = share[i] * detail[i];
+                seconds[part][i] = firsts[part][i] * detail[i];
+            }
         }
-        let (share, filled) = (parting.sums(&shares), parting.sums(&filled));
         for c in 0..3 {
-            let (mut firsts, mut seconds) = ([[0.0; LANES]; MOST_PARTS], [[0.0; LANES]; MOST_PARTS]);
-            for part in 0..parting.shares.len() {
-                let (fine, coarse) = (pixels.of(&fine[3 * part + c]), pixels.of(&coarse[3 * part + c]));
-                for i in 0..LANES {
-                    let value = fine[i] - coarse[i];
-                    firsts[part][i] = shares[part][i] * value;
-                    seconds[part][i] = firsts[part][i] * value;
-                }
-            }
-            let mean = sum(&firsts);
-            let (first, second) = (parting.sums(&firsts), parting.sums(&seconds));
-            numbers[c] = mean;
-            (0..LANES).for_each(|i| numbers[3][i] += mean[i] * mean[i]);
-            for k in 0..parting.signals() {
-                for i in 0..LANES {
-                    numbers[4 + k][i] += parting.signal(filled[k][i], share[k][i], first[k][i], second[k][i]);
-                }
-            }
+            numbers[c] = self.detail(parting.parts() + c, pixels);
         }
-        let relative = pixels.of(&parting.relative);
-        for numbers in &mut numbers[3..] {
-            (0..LANES).for_each(|i| numbers[i] *= relative[i]);
+        let (relative, mean) = (pixels.of(&parting.relative), sum(&firsts));
+        (0..LANES).for_each(|i| numbers[3][i] = relative[i] * mean[i] * mean[i]);
+        let [share, filled, first, second] = [&shares, &filled, &firsts, &seconds].map(|of| parting.sums(of));
+        for k in 0..parting.signals() {
+            for i in 0..LANES {
+                let signal = parting.signal(filled[k][i], share[k][i], first[k][i], second[k][i]);
+                numbers[4 + k][i] = relative[i] * signal;
+            }
         }
         numbers
     }
