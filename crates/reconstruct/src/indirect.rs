@@ -21,7 +21,7 @@ pub fn without(mut whole: Component, indirect: &Estimate) -> Component {
 }
 
 /// Takes a part off an image; rounding leaves nothing below zero.
-fn take_off(whole: &mut Image, part: &Image) {
+pub fn take_off(whole: &mut Image, part: &Image) {
     for (whole, part) in whole.channels_mut().iter_mut().zip(part.channels()) {
         whole.iter_mut().zip(part).for_each(|(whole, part)| *whole = (*whole - part).max(0.0));
     }
@@ -32,18 +32,20 @@ mod tests {
     use stack::{FeatureStack, Silent, Size};
 
     use super::*;
-    use crate::best::test_scene::{component, image, stack_of, with_noise};
+    use crate::best::LightSettings;
+    use crate::best::test_scene::{component, error, image, stack_of, with_noise};
     use crate::test_noise::TestNoise;
     use crate::{Settings, reconstruct};
 
     const SIZE: Size = Size::new(32, 24);
 
-    /// A stack of a picture in two parts, and the stacks of both.
-    fn stacks() -> [FeatureStack; 3] {
+    /// A stack of a picture in two parts, whose brightness changes in the given columns, and the stacks of both.
+    fn stacks([of_direct, of_indirect]: [usize; 2]) -> [FeatureStack; 3] {
         let (mut noise, edge) = (TestNoise(17), |x: usize, at: usize| if x < at { 1.0 } else { 0.5 });
-        let mut buckets =
-            |at: usize| [(); 8].map(|()| with_noise(&image(SIZE, |x, _, _| edge(x, at)), 0.1, &mut noise)).to_vec();
-        let (direct, indirect) = (buckets(10), buckets(20));
+        let mut buckets = |at: usize, deviation: f32| {
+            [(); 8].map(|()| with_noise(&image(SIZE, |x, _, _| edge(x, at)), deviation, &mut noise)).to_vec()
+        };
+        let (direct, indirect) = (buckets(of_direct, 0.1), buckets(of_indirect, 0.4));
         let mut both = direct.clone();
         both.iter_mut().zip(&indirect).for_each(|(both, indirect)| both.add(indirect));
         let whole = stack_of(&image(SIZE, |_, _, _| 1.0), 3);
@@ -53,27 +55,38 @@ mod tests {
         [both, direct, indirect]
     }
 
-    fn picture(stack: &FeatureStack, apart: bool) -> Image {
+    fn picture(stack: &FeatureStack, light: LightSettings) -> Image {
         let mut settings = Settings::default();
-        settings.best.light.apart = apart;
+        settings.best.light = light;
         reconstruct(stack, &settings, &Silent).unwrap().picture
     }
 
     #[test]
     fn both_parts_are_rebuilt_as_if_alone() {
-        let [both, direct, indirect] = stacks();
-        let mut sum = picture(&direct, true);
-        sum.add(&picture(&indirect, true));
-        let found = picture(&both, true);
+        let [both, direct, indirect] = stacks([10, 20]);
+        let unguided = LightSettings { direct_guide: 0.0, ..LightSettings::DEFAULT };
+        let mut sum = picture(&direct, unguided);
+        sum.add(&picture(&indirect, unguided));
+        let found = picture(&both, unguided);
         for (a, b) in found.channels().iter().flatten().zip(sum.channels().iter().flatten()) {
             assert!((a - b).abs() < 1e-3, "{a} {b}");
         }
-        assert!(picture(&both, false) != found);
+        assert!(picture(&both, LightSettings { apart: false, ..unguided }) != found);
+    }
+
+    #[test]
+    fn where_direct_light_ends_indirect_light_may_end() {
+        let clean = image(SIZE, |x, _, _| if x < 10 { 2.0 } else { 1.0 });
+        let [both, ..] = stacks([10, 10]);
+        let [guided, unguided] = [LightSettings::DEFAULT.direct_guide, 0.0].map(|direct_guide| {
+            error(&picture(&both, LightSettings { direct_guide, ..LightSettings::DEFAULT }), &clean)
+        });
+        assert!(guided < 0.8 * unguided, "{guided} {unguided}");
     }
 
     #[test]
     fn what_is_not_in_as_many_buckets_is_no_part() {
-        let [both, ..] = stacks();
+        let [both, ..] = stacks([10, 20]);
         let mut halves = both.indirect.clone().unwrap();
         halves.noise = Noise::Buckets(halves.halves(&both.samples).unwrap().to_vec());
         assert!(is_part_of(&both.indirect.unwrap(), &both.components[0].radiance));

@@ -190,11 +190,15 @@ impl<'a> Collaborative<'a> {
         let mut sum = Reconstruction::plain(Image::zeros(self.workshop.stack.size(), 3));
         let direct = without(component.into_owned(), &indirect);
         if is_lit(&direct) {
-            sum.add(self.rebuilt_whole(Cow::Owned(direct), monitor)?);
+            sum.add(self.workshop.rebuild(Cow::Owned(direct), monitor)?);
         }
         let indirect = Component { role: ComponentRole::Scattered, radiance: indirect.into_owned() };
         if is_lit(&indirect) {
-            sum.add(self.rebuilt_whole(Cow::Owned(indirect), monitor)?);
+            let Workshop { features, settings, .. } = self.workshop;
+            let weight = settings.light.direct_guide;
+            let guided = (weight > 0.0).then(|| best::with_direct_light(features, &sum.picture, weight));
+            let workshop = Workshop { features: guided.as_ref().unwrap_or(features), ..self.workshop };
+            sum.add(workshop.rebuild(Cow::Owned(indirect), monitor)?);
         }
         Ok(sum)
     }

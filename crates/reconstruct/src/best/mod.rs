@@ -10,13 +10,13 @@
 mod alone;
 mod cascade;
 mod choice;
-mod colour_guide;
 mod error;
 mod features;
 mod first_pass;
 mod given;
 pub(crate) mod guided_kernel;
 pub(crate) mod halves;
+mod light_guide;
 mod passes;
 pub(crate) mod piloted;
 mod restore;
@@ -32,7 +32,8 @@ pub use cascade::MOST_PARTS;
 pub use choice::{Chooser, trained, training};
 pub use error::share_unseen;
 pub use features::{GuideFeatures, guide_features};
-pub use settings::{BestSettings, FitSettings};
+pub use light_guide::with_direct_light;
+pub use settings::{BestSettings, FitSettings, LightSettings};
 pub use workshop::{Extras, Workshop};
 
 #[cfg(test)]

@@ -8,11 +8,11 @@ use stack::{Cancelled, Component, FeatureStack, Image, Monitor, Noise, SampleCou
 use super::alone::split_alone;
 use super::cascade::{Parts, add_significant_residual, relative_to};
 use super::choice::Contest;
-use super::colour_guide::with_colour;
 use super::features::GuideFeatures;
 use super::given::Given;
 use super::guided_kernel::GuidedKernel;
 use super::halves::{luminance, mean_of};
+use super::light_guide::with_colour;
 use super::passes::{Pass, low_layers, through_first_pass};
 use super::settings::{BestSettings, FitSettings};
 use super::split::{self, Layers};

@@ -22,6 +22,9 @@ stack::knobs! {
         /// Whether direct and indirect light are, where a stack keeps them apart: their borders lie elsewhere. It takes
         /// almost twice the time.
         apart: bool = true, ..;
+        /// Weight of a difference in the logarithm of the rebuilt direct light against one in features, where indirect
+        /// light is rebuilt apart; 0 leaves it to visibility.
+        direct_guide: f32 = 0.3, 0.0..=100.0;
     }
 }
 

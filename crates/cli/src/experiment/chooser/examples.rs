@@ -7,7 +7,6 @@ use reconstruct::best::training::Example;
 
 use super::room::write_room;
 use crate::args::ExperimentArgs;
-use crate::experiment::learning::training_set::scattered;
 use crate::experiment::learning::variation::write_variation;
 use crate::experiment::reference::reference_stacks;
 use crate::experiment::scenes::{OWN_SCENES, Stage};
@@ -16,7 +15,7 @@ use crate::progress::Progress;
 /// Variations of each of our scenes.
 const VARIATIONS: u64 = 3;
 /// Rooms.
-const ROOMS: u64 = 40;
+const ROOMS: u64 = 80;
 
 /// Renders every variation of our scenes and every room at every number of samples.
 ///
@@ -42,13 +41,14 @@ fn scenes(args: &ExperimentArgs, seed: u64) -> Result<Vec<PathBuf>> {
 
 fn of_scene(file: &Path, seed: u64, args: &ExperimentArgs, progress: &Progress) -> Result<Vec<Example>> {
     let stage = Stage::open(file, args, progress)?;
-    let references = reference_stacks(args, &stage, progress)?.map(|stack| scattered(&stack));
+    let references = reference_stacks(args, &stage, progress)?;
     let mut settings = args.settings()?;
     settings.trace.seed = seed;
-    let example = |spp: &u32| {
+    let mut examples = Vec::new();
+    for spp in &args.spp {
         progress.say(&format!("{}: {spp} spp", stage.name));
         let stack = stage.sample(&settings, *spp, progress)?;
-        Ok(Example::new(&stack, &references, &settings.reconstruction.best, seed, progress)?)
-    };
-    args.spp.iter().map(example).collect()
+        examples.extend(Example::all_of(&stack, &references, &settings.reconstruction.best, seed, progress)?);
+    }
+    Ok(examples)
 }

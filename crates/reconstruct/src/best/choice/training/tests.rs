@@ -1,6 +1,6 @@
 //! The slope against finite differences, and what training promises.
 
-use stack::{FeatureStack, Image, Silent, Size};
+use stack::{FeatureStack, Silent, Size};
 
 use super::super::inputs::Block;
 use super::*;
@@ -14,8 +14,14 @@ fn example(seed: u64) -> Example {
     let clean = walls(SIZE);
     let stack: FeatureStack = stack_of(&clean, seed);
     let mut noise = TestNoise(seed + 1);
-    let references: [Image; 2] = [0, 1].map(|_| with_noise(&clean, 0.01, &mut noise));
-    Example::new(&stack, &references, &BestSettings::default(), seed, &Silent).unwrap()
+    let references = [0, 1].map(|_| {
+        let mut reference = stack.clone();
+        reference.components[0].radiance.mean = with_noise(&clean, 0.01, &mut noise);
+        reference
+    });
+    let [example] =
+        Example::all_of(&stack, &references, &BestSettings::default(), seed, &Silent).unwrap().try_into().unwrap();
+    example
 }
 
 /// A network that says a lot, for inputs as they are.
