@@ -91,7 +91,9 @@ stack::knobs! {
         /// Events that an event's surroundings must hold before it is spread no wider.
         events: f32 = 8.0, 1.0..=1000.0;
         /// Weight of a difference in the logarithm of brightness against one in features.
-        brightness: f32 = 2.2, 0.0..=100.0;
+        brightness: f32 = 1.8, 0.0..=100.0;
+        /// Power of a pixel's brightness that its share of an event rises with.
+        share: f32 = 1.5, 0.0..=10.0;
         /// Scale of the differences between features that separate surfaces.
         feature_scale: f32 = 0.8, 0.01..=10.0;
         /// Scales, each twice as coarse as the one before, on which blotches of spread events are kept only where both

@@ -36,11 +36,14 @@ pub struct Spread {
 
 /// The light of `events`, spread. Each is spread just so wide that the surroundings it shares hold enough others; its
 /// kernel is a Gaussian times the likeness of pixels in `features` and in the brightness of `picture`, and sums to one.
+/// Brighter pixels take more of it, for there it may have met with more.
 pub fn spread(events: &Events, picture: &Image, features: &GuideFeatures, settings: &SpreadSettings) -> Spread {
     let size = picture.size();
     let guides = guides(picture, features, settings);
     let occurrences = Occurrences::new(events, &guides, size, settings.events);
-    let task = |tile: &Rectangle| TileTask { size, guides: &guides, occurrences: &occurrences, tile: *tile };
+    let shares: Vec<f32> = luminance(picture).iter().map(|l| finite_in_the_dark(*l).powf(settings.share)).collect();
+    let task =
+        |tile: &Rectangle| TileTask { size, guides: &guides, shares: &shares, occurrences: &occurrences, tile: *tile };
     let parts: Vec<(Rectangle, Vec<Vec<f32>>)> =
         tiles_of(size, TILE).par_iter().map(|tile| pulp::Arch::new().dispatch(task(tile))).collect();
     let mut spread = Spread { halves: [0, 1].map(|_| Image::zeros(size, 3)), variance: vec![0.0; size.pixels()] };
@@ -90,9 +93,14 @@ fn guides(picture: &Image, features: &GuideFeatures, settings: &SpreadSettings) 
     let scale = std::f32::consts::FRAC_1_SQRT_2 / settings.feature_scale;
     let scaled = |plane: &[f32]| plane.iter().map(|v| scale * v).collect();
     let mut planes: Vec<Vec<f32>> = features.surfaces().map(scaled).collect();
-    let brightness = |l: &f32| scale * settings.brightness * (l + 0.01).max(0.005).ln();
+    let brightness = |l: &f32| scale * settings.brightness * finite_in_the_dark(*l).ln();
     planes.push(luminance(picture).iter().map(brightness).collect());
     planes
+}
+
+/// A luminance of which there is a logarithm.
+fn finite_in_the_dark(luminance: f32) -> f32 {
+    (luminance + 0.01).max(0.005)
 }
 
 /// What is summed at a pixel: light of either half, three channels each, and variance.
@@ -101,6 +109,8 @@ const SUMS: usize = 7;
 struct TileTask<'a> {
     size: Size,
     guides: &'a [Vec<f32>],
+    /// What a pixel takes of an event, beside its likeness.
+    shares: &'a [f32],
     occurrences: &'a Occurrences,
     tile: Rectangle,
 }
@@ -161,7 +171,8 @@ impl TileTask<'_> {
             let (own, there) = (guide[own], &guide[self.size.index(columns.start, row)..][..columns.len()]);
             weights.iter_mut().zip(there).for_each(|(sum, v)| *sum += (v - own) * (v - own));
         }
-        weights.iter_mut().for_each(|weight| *weight = exp_of_negative(-*weight));
+        let shares = &self.shares[self.size.index(columns.start, row)..][..columns.len()];
+        weights.iter_mut().zip(shares).for_each(|(weight, share)| *weight = share * exp_of_negative(-*weight));
     }
 }
 

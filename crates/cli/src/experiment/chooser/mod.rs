@@ -19,7 +19,7 @@ use crate::progress::Progress;
 use crate::settings::Settings;
 
 /// How the network is trained, but for the seed.
-const TRAINING: TrainingSettings = TrainingSettings { steps: 300, blocks: 32, rate: 0.01, decay: 1e-4, seed: 0 };
+const TRAINING: TrainingSettings = TrainingSettings { steps: 600, blocks: 32, rate: 0.01, decay: 1e-4, seed: 0 };
 
 /// Runs the experiment; writes the weights to `weights.txt` in its folder.
 pub fn run(args: &ExperimentArgs, progress: &Progress) -> Result<Vec<Table>> {

@@ -95,6 +95,17 @@ fn light_stays_on_its_own_side_of_a_border() {
 }
 
 #[test]
+fn brighter_pixels_take_more() {
+    let events = events_at(&[SIZE.index(CENTRE[0], CENTRE[1])], SIZE);
+    let nothing = features(SIZE, vec![vec![0.0; SIZE.pixels()]]);
+    let picture = image(SIZE, |_, y, _| if y < CENTRE[1] { 0.99 } else { 1.99 });
+    let settings = SpreadSettings { brightness: 0.0, share: 1.5, ..SpreadSettings::default() };
+    let light = sum_of(&spread(&events, &picture, &nothing, &settings).halves);
+    let [dark, bright] = [24, 30].map(|y| light.rgb(SIZE.index(CENTRE[0], y))[0]);
+    assert!((bright / dark - 2.0_f32.powf(1.5)).abs() < 1e-3, "{bright} {dark}");
+}
+
+#[test]
 fn no_events_give_no_light() {
     assert_eq!(plain(&events_at(&[], SIZE)), flat(SIZE, 0.0));
     assert_eq!(plain(&events_at(&[0], Size::new(1, 1))), flat(Size::new(1, 1), 1.0));
