@@ -18,9 +18,9 @@ const PROGRAM: f64 = 6e7;
 /// Beside the stack while its features are freed of noise.
 const PREPARING: f64 = 100.0;
 /// Once the stack is freed, where the second pass is made of the whole picture at once …
-const WHOLE: f64 = 490.0;
+const WHOLE: f64 = 500.0;
 /// … and before it, beside what each independent part of the light takes.
-const REBUILDING: f64 = 420.0;
+const REBUILDING: f64 = 430.0;
 const PART: f64 = 21.0;
 /// In a second pass by bands: what is there of the whole picture …
 const KEPT: f64 = 395.0;
@@ -213,7 +213,7 @@ mod tests {
         assert_eq!(plan(1000.0, true), Ok(Plan { free: false, rows: usize::MAX }));
         assert_eq!(plan(800.0, true), Ok(Plan { free: true, rows: usize::MAX }));
         assert_eq!(plan(1000.0, false), Ok(Plan { free: true, rows: usize::MAX }));
-        let rows = plan(485.0, false).unwrap().rows;
+        let rows = plan(495.0, false).unwrap().rows;
         assert!((500..2000).contains(&rows), "{rows}");
         assert!(plan(400.0, false).unwrap_err() > 4e6 * 450.0);
         let guided = |bytes_per_pixel: f64| need.plan(4e6 * bytes_per_pixel, Afterwards { output: false, guide: true });
