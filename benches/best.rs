@@ -80,10 +80,12 @@ fn guided(guides: usize, planes: usize) -> usize {
     12 * (guides + EXPONENTIAL) + 25 * planes
 }
 
-/// Of spread events in two halves, and of the residual in eight parts: each detail's squares are smoothed three times.
+/// Of spread events in two halves, and of the residual in eight parts: their luminances and the mean of colours are smoothed,
+/// each detail's squares three times.
 fn cascade(settings: &BestSettings) -> usize {
-    let of_parts = |guides: usize, parts: usize, signals: usize| guided(guides, 3 * parts + 3 * (1 + signals));
-    settings.spread.levels * of_parts(SURFACES + 3, 2, 1) + settings.cascade.levels * of_parts(SURFACES, 8, 8)
+    let of_parts = |guides: usize, parts: usize, signals: usize| guided(guides, parts + 3 + 3 * (1 + signals));
+    let parts = settings.cascade.parts;
+    settings.spread.levels * of_parts(SURFACES + 3, 2, 1) + settings.cascade.levels * of_parts(SURFACES, parts, parts)
 }
 
 /// Evidence on three scales, the network, energy given back, and the error's two smoothings.
