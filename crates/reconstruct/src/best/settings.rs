@@ -107,8 +107,9 @@ stack::knobs! {
 stack::knobs! {
     /// What is added to the pilot picture from the residual.
     pub struct CascadeSettings("cascade") {
-        /// Multiple of the residual's variance that its square must exceed, whichever bucket is left out.
-        significance: f32 = 1.0, 0.0..=1000.0;
+        /// Multiple of the residual's variance that its square must exceed, whichever bucket is left out. Of two fireflies
+        /// that meet in a pixel, one is left then, whose square is its variance: above 1, no detail.
+        significance: f32 = 1.2, 0.0..=1000.0;
         /// The same where there are but two halves, of which none can be left out.
         significance_of_two: f32 = 2.0, 0.0..=1000.0;
         /// Scales, each twice as coarse as the one before.
