@@ -1,7 +1,9 @@
 //! Training of the chooser: its weights, through the mixture, by the error of the mixed picture against two independent
 //! references.
 
+mod answer;
 mod example;
+mod lights;
 mod slope;
 
 use rayon::prelude::*;
@@ -11,8 +13,8 @@ use super::chooser::{Chooser, HIDDEN, INPUTS, NODE, PARAMETERS};
 use super::evidence::CANDIDATES;
 use super::inputs::{Block, OWN};
 use crate::network::{Adam, Numbers};
+use answer::Judged;
 pub use example::Example;
-use example::Judged;
 use slope::{Slope, slope_of_block};
 
 /// How the network is trained.

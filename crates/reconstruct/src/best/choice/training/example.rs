@@ -2,17 +2,15 @@
 
 use std::borrow::Cow;
 
-use stack::{Component, ComponentRole, FeatureStack, Image, Monitor};
+use stack::{ComponentRole, FeatureStack, Image, Monitor};
 
+use super::answer::{Answer, Judged};
+use super::lights::{Light, parts_of, whole_light};
 use super::slope::{errors_of_rule, norm_of};
-use crate::best::choice::Contest;
-use crate::best::choice::evidence::CANDIDATES;
-use crate::best::choice::inputs::{Block, Inputs, LANES, Lanes};
+use crate::best::choice::inputs::{Block, Inputs, LANES};
 use crate::best::piloted::Piloted;
 use crate::best::settings::BestSettings;
 use crate::best::{Extras, GuideFeatures, Workshop, guide_features, with_direct_light};
-use crate::components::is_lit;
-use crate::indirect::{is_part_of, take_off, without};
 use crate::network::Numbers;
 use crate::reconstruction::ReconstructError;
 
@@ -27,32 +25,6 @@ pub struct Example {
     answers: Vec<Answer>,
     /// Mean size of the rule's errors.
     norm: f32,
-}
-
-/// What becomes of the pixels of a block.
-#[derive(Clone, Debug)]
-pub(super) struct Answer {
-    /// The candidates' RGB, mean of halves.
-    pub candidates: [[Lanes; 3]; CANDIDATES],
-    /// What the mixture should be, by either reference: the reference without spread events.
-    pub truth: [[Lanes; 3]; 2],
-    /// What a squared error is divided by: mean² + 0.001, the mean that of the references' scattered light.
-    pub scale: [Lanes; 3],
-}
-
-/// A block with its answer.
-pub(super) struct Judged<'a> {
-    pub block: &'a Block,
-    pub answer: &'a Answer,
-    /// What errors of this picture are relative to, so that no picture drowns the others.
-    pub norm: f32,
-}
-
-/// Light that is rebuilt by itself.
-struct Light<'a> {
-    component: Cow<'a, Component>,
-    /// The same light in both references.
-    references: [Image; 2],
 }
 
 /// What examples of a picture have in common.
@@ -126,32 +98,6 @@ impl Picture<'_> {
     }
 }
 
-fn whole_light<'a>(stack: &'a FeatureStack, references: &[FeatureStack; 2]) -> Result<Light<'a>, ReconstructError> {
-    let layer = ComponentRole::Scattered.layer();
-    let component = stack.component(ComponentRole::Scattered).ok_or(ReconstructError::NoiseUnknown { layer })?;
-    let scattered = |reference: &FeatureStack| {
-        assert_eq!(reference.size(), stack.size());
-        reference.component(ComponentRole::Scattered).expect("a reference with scattered light").radiance.mean.clone()
-    };
-    Ok(Light { component: Cow::Borrowed(component), references: references.each_ref().map(scattered) })
-}
-
-/// Direct and indirect light, where they are known apart and there is some of both.
-fn parts_of(whole: &Light, stack: &FeatureStack, references: &[FeatureStack; 2]) -> Option<[Light<'static>; 2]> {
-    let radiance = stack.indirect.as_ref().filter(|indirect| is_part_of(indirect, &whole.component.radiance))?;
-    let [Some(first), Some(second)] = references.each_ref().map(|reference| reference.indirect.as_ref()) else {
-        return None;
-    };
-    let of_indirect = [first, second].map(|estimate| estimate.mean.clone());
-    let mut of_direct = whole.references.clone();
-    of_direct.iter_mut().zip(&of_indirect).for_each(|(whole, part)| take_off(whole, part));
-    let direct = without(whole.component.clone().into_owned(), radiance);
-    let indirect = Component { role: ComponentRole::Scattered, radiance: radiance.clone() };
-    let parts = [(direct, of_direct), (indirect, of_indirect)];
-    let both_lit = parts.iter().all(|(component, _)| is_lit(component));
-    both_lit.then(|| parts.map(|(component, references)| Light { component: Cow::Owned(component), references }))
-}
-
 /// Pixels that see no lamp.
 fn unlit(stack: &FeatureStack) -> Vec<usize> {
     let emission = stack.component(ComponentRole::Emission).map(|component| &component.radiance.mean);
@@ -166,22 +112,4 @@ fn sampled(pixels: &[usize], seed: u64) -> Vec<[usize; LANES]> {
     Numbers::new(seed).shuffle(&mut pixels);
     let blocks = (pixels.len() / LANES).clamp(1, BLOCKS);
     (0..blocks).map(|block| std::array::from_fn(|lane| pixels[(block * LANES + lane) % pixels.len()])).collect()
-}
-
-impl Answer {
-    fn new(contest: &Contest, spread: &Image, [references, whole]: [&[Image; 2]; 2], pixels: &[usize; LANES]) -> Self {
-        let lanes = |value: &dyn Fn(usize, usize) -> f32| -> [Lanes; 3] {
-            std::array::from_fn(|c| pixels.map(|pixel| value(c, pixel)))
-        };
-        let candidate = |k: usize| {
-            let [a, b] = &contest.candidates[k];
-            lanes(&|c, pixel| 0.5 * (a.channels()[c][pixel] + b.channels()[c][pixel]))
-        };
-        let at = |image: &Image, c: usize, pixel: usize| image.channels()[c][pixel];
-        Self {
-            candidates: std::array::from_fn(candidate),
-            truth: references.each_ref().map(|reference| lanes(&|c, p| at(reference, c, p) - at(spread, c, p))),
-            scale: lanes(&|c, p| (0.5 * (at(&whole[0], c, p) + at(&whole[1], c, p))).powi(2) + 1e-3),
-        }
-    }
 }

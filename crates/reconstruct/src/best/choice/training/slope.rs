@@ -1,6 +1,6 @@
 //! The error of a mixture, and how it follows the chooser's parameters.
 
-use super::example::{Answer, Judged};
+use super::answer::{Answer, Judged};
 use crate::best::choice::chooser::{Chooser, PARAMETERS, softmax};
 use crate::best::choice::evidence::CANDIDATES;
 use crate::best::choice::inputs::{Block, LANES, Lanes};

@@ -1,0 +1,47 @@
+//! Light that is rebuilt by itself, beside what it is in two references.
+
+use std::borrow::Cow;
+
+use stack::{Component, ComponentRole, FeatureStack, Image};
+
+use crate::components::is_lit;
+use crate::indirect::{is_part_of, take_off, without};
+use crate::reconstruction::ReconstructError;
+
+/// Light that is rebuilt by itself.
+pub struct Light<'a> {
+    /// It.
+    pub component: Cow<'a, Component>,
+    /// The same light in both references.
+    pub references: [Image; 2],
+}
+
+/// All scattered light.
+///
+/// # Errors
+/// When the stack has none.
+pub fn whole_light<'a>(stack: &'a FeatureStack, references: &[FeatureStack; 2]) -> Result<Light<'a>, ReconstructError> {
+    let layer = ComponentRole::Scattered.layer();
+    let component = stack.component(ComponentRole::Scattered).ok_or(ReconstructError::NoiseUnknown { layer })?;
+    let scattered = |reference: &FeatureStack| {
+        assert_eq!(reference.size(), stack.size());
+        reference.component(ComponentRole::Scattered).expect("a reference with scattered light").radiance.mean.clone()
+    };
+    Ok(Light { component: Cow::Borrowed(component), references: references.each_ref().map(scattered) })
+}
+
+/// Direct and indirect light, where they are known apart and there is some of both.
+pub fn parts_of(whole: &Light, stack: &FeatureStack, references: &[FeatureStack; 2]) -> Option<[Light<'static>; 2]> {
+    let radiance = stack.indirect.as_ref().filter(|indirect| is_part_of(indirect, &whole.component.radiance))?;
+    let [Some(first), Some(second)] = references.each_ref().map(|reference| reference.indirect.as_ref()) else {
+        return None;
+    };
+    let of_indirect = [first, second].map(|estimate| estimate.mean.clone());
+    let mut of_direct = whole.references.clone();
+    of_direct.iter_mut().zip(&of_indirect).for_each(|(whole, part)| take_off(whole, part));
+    let direct = without(whole.component.clone().into_owned(), radiance);
+    let indirect = Component { role: ComponentRole::Scattered, radiance: radiance.clone() };
+    let parts = [(direct, of_direct), (indirect, of_indirect)];
+    let both_lit = parts.iter().all(|(component, _)| is_lit(component));
+    both_lit.then(|| parts.map(|(component, references)| Light { component: Cow::Owned(component), references }))
+}
