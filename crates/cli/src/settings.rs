@@ -84,8 +84,8 @@ impl Settings {
     }
 }
 
-/// The method of `best` for all light at once, with few fits in small windows, a smaller prefilter, fewer scales of details that both halves agree on,
-/// spread events as they fall, and candidates mixed by the rule alone.
+/// The method of `best` for all light at once, with few fits in small windows, a smaller prefilter, fewer scales of details
+/// that both halves agree on, spread events as they fall, and candidates mixed by the rule alone.
 fn fast() -> BestSettings {
     let mut best = BestSettings::default();
     best.light.apart = false;

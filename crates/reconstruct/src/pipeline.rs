@@ -195,8 +195,7 @@ impl<'a> Collaborative<'a> {
         let indirect = Component { role: ComponentRole::Scattered, radiance: indirect.into_owned() };
         if is_lit(&indirect) {
             let Workshop { features, settings, .. } = self.workshop;
-            let weight = settings.light.direct_guide;
-            let guided = (weight > 0.0).then(|| best::with_direct_light(features, &sum.picture, weight));
+            let guided = best::with_direct_light(features, &sum.picture, settings.light.direct_guide);
             let workshop = Workshop { features: guided.as_ref().unwrap_or(features), ..self.workshop };
             sum.add(workshop.rebuild(Cow::Owned(indirect), monitor)?);
         }

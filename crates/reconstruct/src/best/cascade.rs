@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use stack::{Cancelled, Image, Monitor, SampleCounts};
 
 use super::guided_kernel::{GuidedKernel, Taps};
+use super::halves::luminance;
 use super::settings::CascadeSettings;
 use crate::per_pixel::planes_by_eight;
 pub use parting::{MOST_PARTS, relative_to};
@@ -101,10 +102,13 @@ fn residuals(parts: Vec<Image>, shares: &[Vec<f32>], picture: &Image) -> Vec<Vec
             mean.iter_mut().zip(values).for_each(|(mean, ((part, whole), share))| *mean += share * (part - whole));
         }
     });
-    let luminance = |part: Image| -> Vec<f32> {
-        (0..picture.pixels()).map(|pixel| part.mean_at(pixel) - picture.mean_at(pixel)).collect()
+    let whole = luminance(picture);
+    let excess = |part: Image| {
+        let mut excess = luminance(&part);
+        excess.iter_mut().zip(&whole).for_each(|(part, whole)| *part -= whole);
+        excess
     };
-    parts.into_par_iter().map(luminance).chain(mean).collect()
+    parts.into_par_iter().map(excess).chain(mean).collect()
 }
 
 /// One scale of the residual.

@@ -8,6 +8,7 @@ mod taps;
 use stack::{Image, Size};
 
 use super::features::GuideFeatures;
+use super::light_guide::logarithm;
 use taps::Guides;
 pub use taps::Taps;
 
@@ -35,8 +36,8 @@ impl<'a> GuidedKernel<'a> {
     /// A kernel that stays on surfaces and among pixels of like brightness in `picture`: a squared difference of its
     /// logarithm counts `brightness` times one of a feature.
     pub fn surfaces_and_brightness(features: &'a GuideFeatures, picture: &Image, scale: f32, brightness: f32) -> Self {
-        let logarithm = |v: &f32| brightness.sqrt() * (v + 0.02).max(0.01).ln();
-        let brightness = picture.channels().iter().map(|plane| plane.iter().map(logarithm).collect()).collect();
+        let weighed = |v: &f32| brightness.sqrt() * logarithm(*v);
+        let brightness = picture.channels().iter().map(|plane| plane.iter().map(weighed).collect()).collect();
         Self { brightness, ..Self::surfaces(features, scale) }
     }
 

@@ -20,8 +20,11 @@ pub fn with_colour(features: &GuideFeatures, picture: &Image, weight: f32) -> Op
 }
 
 /// `features` for indirect light: the logarithm of the `direct` light, `weight` times, in place of visibility. Light that
-/// was rebuilt tells shadows without their noise, and kernels stay on one side of them.
-pub fn with_direct_light(features: &GuideFeatures, direct: &Image, weight: f32) -> GuideFeatures {
+/// was rebuilt tells shadows without their noise, and kernels stay on one side of them. `None` where it has no weight.
+pub fn with_direct_light(features: &GuideFeatures, direct: &Image, weight: f32) -> Option<GuideFeatures> {
+    if weight == 0.0 {
+        return None;
+    }
     let mut guided = features.clone();
     let plane = (0..direct.pixels()).map(|pixel| weight * logarithm(direct.mean_at(pixel))).collect();
     let planes = &mut guided.set.planes;
@@ -33,11 +36,11 @@ pub fn with_direct_light(features: &GuideFeatures, direct: &Image, weight: f32) 
         guided.set.groups.push(place..place + 1);
     }
     guided.surfaces.push(place);
-    guided
+    Some(guided)
 }
 
 /// Finite in the dark, where noise would rule it.
-fn logarithm(light: f32) -> f32 {
+pub(super) fn logarithm(light: f32) -> f32 {
     (light + 0.02).max(0.01).ln()
 }
 
@@ -55,7 +58,8 @@ mod tests {
         let direct = image(SIZE, |x, _, _| if x < 3 { 0.0 } else { 0.98 });
         let mut features = two_halves(SIZE);
         let before = features.set.planes.len();
-        let added = with_direct_light(&features, &direct, 0.5);
+        assert_eq!(with_direct_light(&features, &direct, 0.0), None);
+        let added = with_direct_light(&features, &direct, 0.5).unwrap();
         assert_eq!((added.set.planes.len(), added.set.groups.len()), (before + 1, features.set.groups.len() + 1));
         let shadow = 0.5 * (1.0_f32 / 0.02).ln();
         let edge = |features: &GuideFeatures| {
@@ -66,7 +70,7 @@ mod tests {
         // The last plane now is a visibility: it tells no surfaces apart.
         features.set.planes.push(vec![0.25; SIZE.pixels()]);
         features.set.groups.push(before..before + 1);
-        let replaced = with_direct_light(&features, &direct, 0.5);
+        let replaced = with_direct_light(&features, &direct, 0.5).unwrap();
         assert_eq!(replaced.set.planes.len(), before + 1);
         assert_eq!(replaced.set.groups, features.set.groups);
         assert_eq!(edge(&replaced), edge(&added));

@@ -39,9 +39,10 @@ pub struct Spread {
 /// Brighter pixels take more of it, for there it may have met with more.
 pub fn spread(events: &Events, picture: &Image, features: &GuideFeatures, settings: &SpreadSettings) -> Spread {
     let size = picture.size();
-    let guides = guides(picture, features, settings);
+    let brightness: Vec<f32> = luminance(picture).into_iter().map(finite_in_the_dark).collect();
+    let guides = guides(&brightness, features, settings);
     let occurrences = Occurrences::new(events, &guides, size, settings.events);
-    let shares: Vec<f32> = luminance(picture).iter().map(|l| finite_in_the_dark(*l).powf(settings.share)).collect();
+    let shares: Vec<f32> = brightness.iter().map(|l| l.powf(settings.share)).collect();
     let task =
         |tile: &Rectangle| TileTask { size, guides: &guides, shares: &shares, occurrences: &occurrences, tile: *tile };
     let parts: Vec<(Rectangle, Vec<Vec<f32>>)> =
@@ -89,12 +90,11 @@ pub fn steadied(
 }
 
 /// What separates pixels, scaled so that their likeness is exp(−Σ Δ²).
-fn guides(picture: &Image, features: &GuideFeatures, settings: &SpreadSettings) -> Vec<Vec<f32>> {
+fn guides(brightness: &[f32], features: &GuideFeatures, settings: &SpreadSettings) -> Vec<Vec<f32>> {
     let scale = std::f32::consts::FRAC_1_SQRT_2 / settings.feature_scale;
     let scaled = |plane: &[f32]| plane.iter().map(|v| scale * v).collect();
     let mut planes: Vec<Vec<f32>> = features.surfaces().map(scaled).collect();
-    let brightness = |l: &f32| scale * settings.brightness * finite_in_the_dark(*l).ln();
-    planes.push(luminance(picture).iter().map(brightness).collect());
+    planes.push(brightness.iter().map(|l| scale * settings.brightness * l.ln()).collect());
     planes
 }
 

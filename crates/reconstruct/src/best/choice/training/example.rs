@@ -65,7 +65,7 @@ impl Example {
             let rebuilt = workshop.rebuild(Cow::Borrowed(&direct.component), monitor)?.picture;
             let guided = with_direct_light(&features, &rebuilt, settings.light.direct_guide);
             examples.push(picture.example(direct, &features, monitor)?);
-            examples.push(picture.example(indirect, &guided, monitor)?);
+            examples.push(picture.example(indirect, guided.as_ref().unwrap_or(&features), monitor)?);
         }
         Ok(examples)
     }

@@ -10,7 +10,7 @@ use crate::reconstruction::ReconstructError;
 
 /// Light that is rebuilt by itself.
 pub struct Light<'a> {
-    /// It.
+    /// With its noise.
     pub component: Cow<'a, Component>,
     /// The same light in both references.
     pub references: [Image; 2],
