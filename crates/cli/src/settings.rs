@@ -4,7 +4,7 @@ use anyhow::Result;
 use clap::ArgMatches;
 use reconstruct::Fit;
 use reconstruct::adaptive::AdaptiveSettings;
-use reconstruct::best::{BestSettings, FitSettings};
+use reconstruct::best::BestSettings;
 use stack::Knobs;
 use tracer::integrator::TraceSettings;
 
@@ -84,20 +84,10 @@ impl Settings {
     }
 }
 
-/// The method of `best` for all light at once, with few fits in small windows, a smaller prefilter, fewer scales of details
-/// that both halves agree on, spread events as they fall, and candidates mixed by the rule alone.
+/// The method of `best` for all light at once, hastened, with a smaller prefilter.
 fn fast() -> BestSettings {
-    let mut best = BestSettings::default();
+    let mut best = BestSettings::default().hastened();
     best.light.apart = false;
     best.features.radius = 2;
-    let (first_radius, second_radius) = (5, 7);
-    // No window is so tiny that the lattice leaves most pixels to fits of their own.
-    let tiny_sigma = 3.0;
-    let regression = FitSettings { stride: 6, covered: 0.2, first_radius, second_radius, ..FitSettings::DEFAULT };
-    best.regression = FitSettings { tiny_sigma, ..regression };
-    best.spread.levels = 0;
-    best.cascade.levels = 4;
-    best.cascade.parts = 2;
-    best.choice.learned = false;
     best
 }

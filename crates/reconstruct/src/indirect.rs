@@ -64,7 +64,7 @@ mod tests {
     #[test]
     fn both_parts_are_rebuilt_as_if_alone() {
         let [both, direct, indirect] = stacks([10, 20]);
-        let unguided = LightSettings { direct_guide: 0.0, ..LightSettings::DEFAULT };
+        let unguided = LightSettings { direct_guide: 0.0, direct_fast: false, ..LightSettings::DEFAULT };
         let mut sum = picture(&direct, unguided);
         sum.add(&picture(&indirect, unguided));
         let found = picture(&both, unguided);
@@ -72,6 +72,29 @@ mod tests {
             assert!((a - b).abs() < 1e-3, "{a} {b}");
         }
         assert!(picture(&both, LightSettings { apart: false, ..unguided }) != found);
+    }
+
+    #[test]
+    fn direct_light_may_be_rebuilt_fast_by_itself() {
+        let [both, direct, indirect] = stacks([10, 20]);
+        let fast = LightSettings { direct_guide: 0.0, ..LightSettings::DEFAULT };
+        let mut hastened = Settings::default();
+        hastened.best = hastened.best.hastened();
+        let mut sum = reconstruct(&direct, &hastened, &Silent).unwrap().picture;
+        sum.add(&picture(&indirect, fast));
+        let found = picture(&both, fast);
+        for (a, b) in found.channels().iter().flatten().zip(sum.channels().iter().flatten()) {
+            assert!((a - b).abs() < 1e-3, "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn the_network_is_not_asked_about_few_candidates() {
+        let [both, ..] = stacks([10, 20]);
+        let mut settings = Settings::default();
+        settings.best.regression.few = true;
+        let refused = reconstruct(&both, &settings, &Silent).unwrap_err();
+        assert!(refused.to_string().contains("--fit-few"), "{refused}");
     }
 
     #[test]

@@ -4,13 +4,12 @@ use std::borrow::Cow;
 
 use stack::{Component, ComponentRole, Estimate, FeatureStack, Image, Monitor};
 
-use crate::best::{Chooser, Extras, GuideFeatures, Workshop};
+use crate::best::{BestSettings, Chooser, Extras, GuideFeatures, Workshop};
 use crate::completion::{Completed, complete};
 use crate::components::{is_lit, sum_of_components, variance_of};
 use crate::emission::{rebuild_emission, with_emission_apart};
 use crate::indirect::{is_part_of, without};
 use crate::method::Method;
-use crate::network::WeightsError;
 use crate::prefilter::{FeatureSet, prefilter};
 use crate::reconstruction::{ReconstructError, Reconstruction};
 use crate::rivals::Rival;
@@ -156,8 +155,12 @@ fn collaborative(
 }
 
 /// What the network says that comes along, where it is asked.
-fn chooser(settings: &Settings) -> Result<Option<Chooser>, WeightsError> {
-    settings.best.choice.learned.then(best::trained).transpose()
+fn chooser(settings: &Settings) -> Result<Option<Chooser>, ReconstructError> {
+    let BestSettings { choice, regression, .. } = settings.best;
+    if choice.learned && regression.few {
+        return Err(ReconstructError::FewCandidates);
+    }
+    Ok(choice.learned.then(best::trained).transpose()?)
 }
 
 /// What collaborative fits need to rebuild a component.
@@ -190,7 +193,7 @@ impl<'a> Collaborative<'a> {
         let mut sum = Reconstruction::plain(Image::zeros(self.workshop.stack.size(), 3));
         let direct = without(component.into_owned(), &indirect);
         if is_lit(&direct) {
-            sum.add(self.workshop.rebuild(Cow::Owned(direct), monitor)?);
+            sum.add(self.rebuilt_direct(direct, monitor)?);
         }
         let indirect = Component { role: ComponentRole::Scattered, radiance: indirect.into_owned() };
         if is_lit(&indirect) {
@@ -200,6 +203,16 @@ impl<'a> Collaborative<'a> {
             sum.add(workshop.rebuild(Cow::Owned(indirect), monitor)?);
         }
         Ok(sum)
+    }
+
+    /// Direct light. Most of what is wrong with a picture is in its indirect light: this may be done fast.
+    fn rebuilt_direct(&self, direct: Component, monitor: &dyn Monitor) -> Result<Reconstruction, ReconstructError> {
+        let settings = *self.workshop.settings;
+        if !settings.light.direct_fast {
+            return self.workshop.rebuild(Cow::Owned(direct), monitor);
+        }
+        let workshop = Workshop { settings: &settings.hastened(), chooser: None, ..self.workshop };
+        workshop.rebuild(Cow::Owned(direct), monitor)
     }
 
     /// Whether `indirect` light is rebuilt by itself. Passes need the weights of the whole.

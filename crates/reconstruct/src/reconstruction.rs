@@ -85,6 +85,11 @@ pub enum ReconstructError {
     /// Passes were asked for.
     #[error("this method rebuilds no passes: choose --preset best or fast")]
     NoPasses,
+    /// The network was asked about candidates it does not know.
+    #[error(
+        "the network of --choice-learned true knows more candidates than --fit-few true makes: set one of them to false"
+    )]
+    FewCandidates,
     /// The features cannot be used.
     #[error(transparent)]
     Prefilter(#[from] PrefilterError),
@@ -98,7 +103,7 @@ impl ReconstructError {
     pub fn fault(&self) -> Fault {
         match self {
             Self::Cancelled(_) => Fault::Interrupted,
-            Self::NoiseUnknown { .. } | Self::NoBuckets { .. } | Self::NoPasses => Fault::Input,
+            Self::NoiseUnknown { .. } | Self::NoBuckets { .. } | Self::NoPasses | Self::FewCandidates => Fault::Input,
             Self::Prefilter(error) => error.fault(),
             Self::Weights(error) => error.fault(),
         }

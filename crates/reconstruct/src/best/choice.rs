@@ -26,8 +26,7 @@ use crate::box_filter::box_mean;
 use crate::network::lanes_of;
 pub use chooser::Chooser;
 use chooser::softmax;
-pub use evidence::CANDIDATES;
-use evidence::{Evidence, Scales};
+use evidence::{CANDIDATES, Evidence, FEW, Scales};
 use inputs::{Inputs, LANES, Lanes, rule_scores};
 use runaway::hold_back;
 pub use weights::trained;
@@ -65,11 +64,12 @@ impl Contest<'_> {
 /// What each candidate weighs, a channel for each, by the rule or, where there is one, by the rule and the `chooser`.
 ///
 /// # Panics
-/// When there are not [`CANDIDATES`] of them: that is a mistake in the calling code.
+/// When there are neither all candidates nor, for the rule alone, the few: that is a mistake in the calling code.
 pub fn weights(contest: &Contest, settings: &ChoiceSettings, chooser: Option<&Chooser>) -> Image {
-    assert_eq!(contest.candidates.len(), CANDIDATES, "the network knows these candidates");
+    let count = contest.candidates.len();
+    assert!(count == CANDIDATES || (count == FEW && chooser.is_none()), "the network knows {CANDIDATES} candidates");
     let size = contest.pilot.size();
-    let mut weights = Image::zeros(size, CANDIDATES);
+    let mut weights = Image::zeros(size, count);
     for band in bands(size.height, ROWS, REACH) {
         let rows = |image: &Image| image_rows(image, &band.around);
         let candidates: Vec<_> = contest.candidates.iter().map(|halves| halves.each_ref().map(rows)).collect();
@@ -82,9 +82,11 @@ pub fn weights(contest: &Contest, settings: &ChoiceSettings, chooser: Option<&Ch
 }
 
 fn weights_at_once(contest: &Contest, settings: &ChoiceSettings, chooser: Option<&Chooser>) -> Image {
+    let evidence = || Evidence::new(contest, settings, Scales::OfTheRule);
     let weights = match chooser {
         Some(chooser) => weigh(contest, &Learned { inputs: &Inputs::new(contest, settings), chooser }),
-        None => weigh(contest, &Rule { evidence: &Evidence::new(contest, settings, Scales::OfTheRule), settings }),
+        None if contest.candidates.len() == FEW => weigh::<FEW>(contest, &Rule { evidence: &evidence(), settings }),
+        None => weigh::<CANDIDATES>(contest, &Rule { evidence: &evidence(), settings }),
     };
     let size = contest.pilot.size();
     let mut weights: Vec<Vec<f32>> = weights.par_iter().map(|plane| box_mean(plane, size, WEIGHT_RADIUS)).collect();
@@ -92,10 +94,10 @@ fn weights_at_once(contest: &Contest, settings: &ChoiceSettings, chooser: Option
     Image::from_channels(size, weights)
 }
 
-/// What gives candidates their weights.
-trait Judge: Sync {
+/// What gives `N` candidates their weights.
+trait Judge<const N: usize>: Sync {
     /// What each candidate weighs at these pixels; together 1.
-    fn weights(&self, pixels: &[usize; LANES]) -> [Lanes; CANDIDATES];
+    fn weights(&self, pixels: &[usize; LANES]) -> [Lanes; N];
 }
 
 /// Errors alone.
@@ -104,9 +106,9 @@ struct Rule<'a> {
     settings: &'a ChoiceSettings,
 }
 
-impl Judge for Rule<'_> {
+impl<const N: usize> Judge<N> for Rule<'_> {
     #[inline(always)]
-    fn weights(&self, pixels: &[usize; LANES]) -> [Lanes; CANDIDATES] {
+    fn weights(&self, pixels: &[usize; LANES]) -> [Lanes; N] {
         softmax(rule_scores(self.evidence.level_of_rule(), pixels, self.settings))
     }
 }
@@ -117,7 +119,7 @@ struct Learned<'a> {
     chooser: &'a Chooser,
 }
 
-impl Judge for Learned<'_> {
+impl Judge<CANDIDATES> for Learned<'_> {
     #[inline(always)]
     fn weights(&self, pixels: &[usize; LANES]) -> [Lanes; CANDIDATES] {
         self.chooser.weights(&self.inputs.block(pixels))
@@ -125,22 +127,22 @@ impl Judge for Learned<'_> {
 }
 
 /// A plane of weights for every candidate.
-fn weigh(contest: &Contest, judge: &impl Judge) -> Vec<Vec<f32>> {
+fn weigh<const N: usize>(contest: &Contest, judge: &impl Judge<N>) -> Vec<Vec<f32>> {
     let pixels = contest.pilot.pixels();
-    let weighed = |pixels| pulp::Arch::new().dispatch(BlockTask { pixels, judge });
-    let blocks: Vec<[Lanes; CANDIDATES]> = lanes_of(pixels).map(weighed).collect();
+    let weighed = |pixels| pulp::Arch::new().dispatch(BlockTask::<_, N> { pixels, judge });
+    let blocks: Vec<[Lanes; N]> = lanes_of(pixels).map(weighed).collect();
     let plane = |k: usize| blocks.iter().flat_map(|block| block[k]).take(pixels).collect();
-    (0..CANDIDATES).map(plane).collect()
+    (0..N).map(plane).collect()
 }
 
 /// Some pixels, weighed with the widest instructions there are.
-struct BlockTask<'a, J> {
+struct BlockTask<'a, J, const N: usize> {
     pixels: [usize; LANES],
     judge: &'a J,
 }
 
-impl<J: Judge> pulp::NullaryFnOnce for BlockTask<'_, J> {
-    type Output = [Lanes; CANDIDATES];
+impl<const N: usize, J: Judge<N>> pulp::NullaryFnOnce for BlockTask<'_, J, N> {
+    type Output = [Lanes; N];
 
     #[inline(always)]
     fn call(self) -> Self::Output {

@@ -9,7 +9,7 @@ use crate::box_filter::box_mean;
 use crate::collaborative::{Fitted, Guides, Kernel, Ridge, collaborate, units};
 use crate::patch_distance::Comparison;
 
-/// Bandwidths of the candidates that are as wide as their window.
+/// Bandwidths of the candidates that are as wide as their window; where only a few are made, all but the last.
 const BANDWIDTHS: [f32; 3] = [0.7, 1.5, 3.0];
 
 /// Bandwidth of the candidate with a small window.
@@ -32,8 +32,8 @@ pub fn reach(settings: &FitSettings) -> usize {
 }
 
 /// The candidates of the second pass: two images (the halves of the low layer) rebuilt with the same weights, for three
-/// bandwidths, a small window and a tiny one; `pilot` guides them, `first` are the halves of the first pass. Reports the
-/// stage `second pass`.
+/// bandwidths, a small window and a tiny one, or for two bandwidths and a tiny window; `pilot` guides them, `first` are the
+/// halves of the first pass. Reports the stage `second pass`.
 ///
 /// # Errors
 /// When `monitor` cancels.
@@ -67,13 +67,21 @@ pub fn second_pass(
         covered: settings.covered,
     };
     let mut kernels = BANDWIDTHS.map(|bandwidth| Kernel { bandwidth, sigma: f32::INFINITY }).to_vec();
-    kernels.push(Kernel { bandwidth: SMALL_BANDWIDTH, sigma: settings.small_sigma });
-    monitor.begin("second pass", 2 * units(size, settings.stride, settings.covered));
-    let mut predicted = collaborate(&fitted, &guides, &kernels, monitor)?;
-    // By itself: the lattice leaves many pixels to fits of their own, whose windows need not be as wide as the others'.
+    if settings.few {
+        kernels.pop();
+    } else {
+        kernels.push(Kernel { bandwidth: SMALL_BANDWIDTH, sigma: settings.small_sigma });
+    }
     let tiny = Kernel { bandwidth: TINY_BANDWIDTH, sigma: settings.tiny_sigma };
     let radius = settings.second_radius.min((REACH * tiny.sigma).ceil() as usize);
-    predicted.extend(collaborate(&fitted, &Guides { radius, ..guides }, &[tiny], monitor)?);
+    // By itself where its window is smaller: the lattice leaves many pixels to fits of their own, which need not be as wide.
+    let apart = radius < guides.radius;
+    kernels.extend((!apart).then_some(tiny));
+    monitor.begin("second pass", (1 + u64::from(apart)) * units(size, settings.stride, settings.covered));
+    let mut predicted = collaborate(&fitted, &guides, &kernels, monitor)?;
+    if apart {
+        predicted.extend(collaborate(&fitted, &Guides { radius, ..guides }, &[tiny], monitor)?);
+    }
     Ok(predicted.into_iter().map(|planes| halves_of(size, planes)).collect())
 }
 

@@ -118,7 +118,7 @@ impl Chooser {
 
 /// Weights that rise exponentially with `scores` and add up to 1.
 #[inline(always)]
-pub(super) fn softmax(scores: [Lanes; CANDIDATES]) -> [Lanes; CANDIDATES] {
+pub(super) fn softmax<const N: usize>(scores: [Lanes; N]) -> [Lanes; N] {
     let (mut most, mut total) = ([f32::NEG_INFINITY; LANES], [0.0; LANES]);
     for score in &scores {
         (0..LANES).for_each(|lane| most[lane] = most[lane].max(score[lane]));

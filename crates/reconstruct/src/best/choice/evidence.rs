@@ -7,8 +7,10 @@ use crate::best::settings::ChoiceSettings;
 use crate::eight::{LANES, Lanes};
 use crate::per_pixel::{ByEight, Pixels, planes_by_eight};
 
-/// Candidates there are to choose from.
+/// Candidates there are to choose from, and that the network knows.
 pub const CANDIDATES: usize = 6;
+/// Candidates there are where only a few are made.
+pub const FEW: usize = 4;
 /// Candidates in the middle, of medium bandwidth with a large and a small window: what all are compared with.
 const MIDDLE: [usize; 2] = [2, 4];
 
@@ -28,7 +30,7 @@ const LEVEL_OF_RULE: usize = 1;
 pub enum Scales {
     /// Errors and noise, on the rule's scale.
     OfTheRule,
-    /// Everything, on every scale.
+    /// Everything, on every scale; of all candidates.
     All,
 }
 
@@ -40,6 +42,7 @@ pub struct Evidence {
 /// Evidence on one scale. All of it is squared and relative: what (luminance² + 0.01) and the noise leave of it, see
 /// `Raw::precisions`.
 pub struct Level {
+    candidates: usize,
     planes: Vec<Vec<f32>>,
 }
 
@@ -56,7 +59,7 @@ impl Level {
 
     /// E of all candidates.
     pub fn errors(&self) -> &[Vec<f32>] {
-        &self.planes[1..=CANDIDATES]
+        &self.planes[1..=self.candidates]
     }
 
     /// D: (A − B)² of a candidate's halves.
@@ -75,9 +78,13 @@ impl Evidence {
     pub fn new(contest: &Contest, settings: &ChoiceSettings, scales: Scales) -> Self {
         let raw = Raw { contest, precision: settings.precision };
         let pixels = contest.pilot.pixels();
+        let candidates = contest.candidates.len();
         let (mut planes, dilations) = match scales {
+            Scales::OfTheRule if candidates == FEW => {
+                (Vec::from(planes_by_eight::<{ 1 + FEW }>(pixels, &raw)), &DILATIONS[..=LEVEL_OF_RULE])
+            }
             Scales::OfTheRule => {
-                (Vec::from(planes_by_eight::<OF_THE_RULE>(pixels, &raw)), &DILATIONS[..=LEVEL_OF_RULE])
+                (Vec::from(planes_by_eight::<{ 1 + CANDIDATES }>(pixels, &raw)), &DILATIONS[..=LEVEL_OF_RULE])
             }
             Scales::All => (Vec::from(planes_by_eight::<ALL>(pixels, &raw)), &DILATIONS[..]),
         };
@@ -85,7 +92,7 @@ impl Evidence {
         let mut levels: Vec<Level> = Vec::with_capacity(dilations.len());
         for dilation in dilations {
             let finer = levels.last().map_or(&planes, |level| &level.planes);
-            levels.push(Level { planes: kernel.smooth(finer, *dilation) });
+            levels.push(Level { candidates, planes: kernel.smooth(finer, *dilation) });
             planes = Vec::new();
         }
         Self { levels }
@@ -102,8 +109,7 @@ impl Evidence {
     }
 }
 
-/// Planes of evidence: V, E and, on all scales, D and R of every candidate.
-const OF_THE_RULE: usize = 1 + CANDIDATES;
+/// Planes of evidence where all is gathered: V, and E, D and R of every candidate; for the rule, V and E.
 const ALL: usize = 1 + 3 * CANDIDATES;
 
 /// Evidence that is not smoothed yet.
@@ -144,9 +150,11 @@ impl Raw<'_> {
             let [noisy_a, noisy_b] = channel(&layers.halves, c, pixels);
             let v = pixels.of(&layers.variance.channels()[c]);
             let mut centre = [0.0; LANES];
-            for k in MIDDLE {
-                let [a, b] = channel(&candidates[k], c, pixels);
-                (0..LANES).for_each(|i| centre[i] += 0.25 * (a[i] + b[i]));
+            if N == ALL {
+                for k in MIDDLE {
+                    let [a, b] = channel(&candidates[k], c, pixels);
+                    (0..LANES).for_each(|i| centre[i] += 0.25 * (a[i] + b[i]));
+                }
             }
             for (k, candidate) in candidates.iter().enumerate() {
                 let [a, b] = channel(candidate, c, pixels);

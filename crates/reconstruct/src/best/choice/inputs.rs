@@ -54,7 +54,7 @@ impl<'a> Inputs<'a> {
         let mut own = [[[0.0; LANES]; OWN]; CANDIDATES];
         for (number, level) in self.evidence.levels().iter().enumerate() {
             let noise = at(level.noise(), pixels);
-            let scores = rule_scores(level, pixels, self.settings);
+            let scores: [Lanes; CANDIDATES] = rule_scores(level, pixels, self.settings);
             for (k, own) in own.iter_mut().enumerate() {
                 let own = &mut own[number * OF_LEVEL..][..OF_LEVEL];
                 own[0] = relative(at(level.error(k), pixels), noise, 1e-2);
@@ -84,9 +84,9 @@ impl<'a> Inputs<'a> {
 /// The rule's scores: −(E − min E)/(softness · min E + noise · V). The noise keeps the least error from mattering where
 /// it is within what chance makes of it.
 #[inline(always)]
-pub fn rule_scores(level: &Level, pixels: &[usize; LANES], settings: &ChoiceSettings) -> [Lanes; CANDIDATES] {
+pub fn rule_scores<const N: usize>(level: &Level, pixels: &[usize; LANES], settings: &ChoiceSettings) -> [Lanes; N] {
     let (least, noise) = (least_error(level, pixels), at(level.noise(), pixels));
-    let mut scores = [[0.0; LANES]; CANDIDATES];
+    let mut scores = [[0.0; LANES]; N];
     for (k, scores) in scores.iter_mut().enumerate() {
         let error = at(level.error(k), pixels);
         for lane in 0..LANES {

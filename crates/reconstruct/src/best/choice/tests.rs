@@ -38,6 +38,20 @@ fn the_right_candidate_wins_over_the_biased_ones() {
 }
 
 #[test]
+fn among_few_the_right_one_wins_by_the_rule() {
+    let clean = flat(SIZE, 1.0);
+    let (layers, features, biased) = (layers(&clean, 0.1, 137), two_halves(SIZE), both(&flat(SIZE, 1.3)));
+    for right in 0..FEW {
+        let candidates: Vec<[Image; 2]> =
+            (0..FEW).map(|k| if k == right { both(&clean) } else { biased.clone() }).collect();
+        let contest = Contest { candidates: &candidates, layers: &layers, pilot: &clean, features: &features };
+        let weights = weights(&contest, &ChoiceSettings::default(), None);
+        let mixed = mixtures(&candidates, weights.channels());
+        assert!(mixed.iter().all(|half| error(half, &clean) < 0.03 * error(&biased[0], &clean)), "{right}");
+    }
+}
+
+#[test]
 fn each_surface_gets_the_candidate_that_is_right_there() {
     let clean = flat(SIZE, 1.0);
     let wrong = |right: bool| both(&image(SIZE, |x, _, _| if (x >= 20) == right { 1.4 } else { 1.0 }));

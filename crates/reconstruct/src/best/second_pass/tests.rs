@@ -29,6 +29,16 @@ fn constants_stay_in_every_candidate() {
 }
 
 #[test]
+fn few_candidates_are_among_all() {
+    let clean = image(SIZE, |x, _, _| if x < 20 { 0.3 } else { 1.0 });
+    let layers = layers(&clean, 0.15, 114);
+    // A window too wide for the tiny one to be made by itself.
+    let settings = FitSettings { tiny_sigma: 9.0, ..settings() };
+    let [all, few] = [false, true].map(|few| run(&layers, &clean, &FitSettings { few, ..settings }));
+    assert_eq!(few, [0, 1, 4].map(|k: usize| all[k].clone()));
+}
+
+#[test]
 fn wider_kernels_and_windows_leave_less_noise() {
     let clean = image(SIZE, |x, _, _| if x < 20 { 0.3 } else { 1.0 });
     let layers = layers(&clean, 0.15, 111);
