@@ -4,11 +4,14 @@ stack::knobs! {
     /// How light is split into a low layer and events.
     pub struct SplitSettings("split") {
         /// A bucket is cut where it exceeds this multiple of what its surroundings reach.
-        factor: f32 = 2.0, 1.0..=1000.0;
+        factor: f32 = 1.8, 1.0..=1000.0;
         /// What the surroundings reach: this quantile of all their buckets, 0 to 1.
         quantile: f32 = 0.97, 0.0..=1.0;
         /// Radius of the surroundings, in pixels.
         radius: usize = 2, 1..=8;
+        /// Radius of the boxes over which that is evened out, in pixels: where a few more events happen to meet than next
+        /// to them, more of their light would stay in the low layer of both halves, as a cloud. 0 leaves it as it is.
+        smoothing: usize = 8, 0..=64;
         /// How many bright details of one pixel there are for one that only looks like it, before it is known how many of
         /// its buckets are bright. With 0 none is believed; with large numbers all are, and where two fireflies meet a
         /// speck is left.

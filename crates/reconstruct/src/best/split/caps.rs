@@ -5,12 +5,16 @@ use stack::Size;
 
 use super::high_ranks::{HighRanks, Ranks, above_quartile, high_ranks};
 use crate::best::settings::SplitSettings;
+use crate::box_filter::box_mean;
 use crate::per_pixel;
 
 /// Least luminance that anything is cut at.
 const LEAST_CAP: f32 = 1e-4;
 
-/// Luminance above which each pixel's buckets are cut: a multiple of what the surroundings reach; more where a quarter of
+/// How far evening out may move what surroundings reach, down and up: shadows and highlights keep most of theirs.
+const MOVED: [f32; 2] = [0.6, 4.0];
+
+/// Luminance above which each pixel's buckets are cut: a multiple of what the surroundings reach, evened out; more where a quarter of
 /// its own buckets do, as far as that is no chance. `luminances` of the buckets of an image of `size` are ≥ 0, or
 /// `NOTHING` where there is no sample.
 pub fn caps(size: Size, luminances: &[Vec<f32>], settings: &SplitSettings) -> Vec<f32> {
@@ -28,13 +32,27 @@ impl Task<'_> {
         let SplitSettings { radius, quantile, factor, .. } = *self.settings;
         let ranks = Ranks { radius, share: quantile };
         let high = high_ranks(self.size, self.luminances, ranks).unwrap_or_else(|| self.selected(ranks));
+        let around = self.evened_out(&high.around);
         let cap = |(pixel, (around, own)): (usize, (&f32, &f32))| {
             let reached = factor * around;
             let excess = (own - reached).max(0.0);
             let detail = if excess > 0.0 { self.is_detail(pixel, reached) } else { 0.0 };
             (reached + detail * excess).max(LEAST_CAP)
         };
-        high.around.par_iter().zip(&high.own).enumerate().map(cap).collect()
+        around.par_iter().zip(&high.own).enumerate().map(cap).collect()
+    }
+
+    /// What surroundings reach, in the geometric mean over wide surroundings.
+    fn evened_out(&self, reached: &[f32]) -> Vec<f32> {
+        let radius = self.settings.smoothing;
+        if radius == 0 {
+            return reached.to_vec();
+        }
+        let logarithms: Vec<f32> = reached.iter().map(|v| v.max(LEAST_CAP).ln()).collect();
+        let smooth = box_mean(&box_mean(&logarithms, self.size, radius), self.size, radius);
+        let [least, most] = MOVED;
+        let moved = |(smooth, v): (&f32, &f32)| smooth.exp().clamp(least * v, most * v.max(LEAST_CAP));
+        smooth.iter().zip(reached).map(moved).collect()
     }
 
     /// Both ranks pixel by pixel, however deep they lie.

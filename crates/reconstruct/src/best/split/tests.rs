@@ -95,8 +95,8 @@ fn a_firefly_is_cut_to_the_cap_and_its_energy_becomes_an_event() {
         plane[at] = value;
     }
     let layers = split(&component(buckets, &counts), &counts, &settings()).unwrap();
-    // The surroundings reach 1, the cap is twice that, and the bucket's luminance is 1000.
-    let kept = 2.0 / 1000.0;
+    // The surroundings reach 1, the cap is a multiple of that, and the bucket's luminance is 1000.
+    let kept = settings().factor / 1000.0;
     let close = |a: f32, b: f32| (a - b).abs() < 1e-4 * b;
     for (c, value) in [1500.0, 900.0, 600.0].into_iter().enumerate() {
         assert!(close(layers.events.light[1].rgb(at)[c], (1.0 - kept) * value / 8.0));
@@ -135,6 +135,21 @@ fn where_two_fireflies_meet_there_is_no_detail() {
     let [two, among_others, three] = [kept(&[1, 4], &[]), kept(&[1, 4], &others), kept(&[1, 4, 6], &[])];
     assert!((0.2..0.5).contains(&two), "without other fireflies it may be either: {two}");
     assert!(among_others < 0.03 && three > 0.9, "{among_others} {three}");
+}
+
+#[test]
+fn where_more_events_happen_to_meet_little_more_of_their_light_is_kept() {
+    let (size, mut noise) = (Size::new(72, 72), TestNoise(93));
+    let mut bucket = || (0..size.pixels()).map(|_| if noise.uniform() < 0.03 { 20.0 } else { 1.0 }).collect();
+    let luminances: Vec<Vec<f32>> = (0..8).map(|_| bucket()).collect();
+    // Variance of the logarithm of what buckets are cut at.
+    let variance = |smoothing: usize| {
+        let caps = caps(size, &luminances, &SplitSettings { smoothing, ..settings() });
+        let mean = |f: &dyn Fn(f32) -> f32| caps.iter().map(|cap| f(cap.ln())).sum::<f32>() / caps.len() as f32;
+        mean(&|v| v * v) - mean(&|v| v).powi(2)
+    };
+    let [evened_out, as_it_is] = [SplitSettings::DEFAULT.smoothing, 0].map(variance);
+    assert!(evened_out < 0.3 * as_it_is, "{evened_out} {as_it_is}");
 }
 
 #[test]
