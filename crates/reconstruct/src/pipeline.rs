@@ -193,7 +193,9 @@ impl<'a> Collaborative<'a> {
         let mut sum = Reconstruction::plain(Image::zeros(self.workshop.stack.size(), 3));
         let direct = without(component.into_owned(), &indirect);
         if is_lit(&direct) {
-            sum.add(self.rebuilt_direct(direct, monitor)?);
+            let settings = self.workshop.settings.for_direct_light();
+            let workshop = Workshop { settings: &settings, ..self.workshop };
+            sum.add(workshop.rebuild(Cow::Owned(direct), monitor)?);
         }
         let indirect = Component { role: ComponentRole::Scattered, radiance: indirect.into_owned() };
         if is_lit(&indirect) {
@@ -203,16 +205,6 @@ impl<'a> Collaborative<'a> {
             sum.add(workshop.rebuild(Cow::Owned(indirect), monitor)?);
         }
         Ok(sum)
-    }
-
-    /// Direct light. Most of what is wrong with a picture is in its indirect light: this may be done fast.
-    fn rebuilt_direct(&self, direct: Component, monitor: &dyn Monitor) -> Result<Reconstruction, ReconstructError> {
-        let settings = *self.workshop.settings;
-        if !settings.light.direct_fast {
-            return self.workshop.rebuild(Cow::Owned(direct), monitor);
-        }
-        let workshop = Workshop { settings: &settings.hastened(), chooser: None, ..self.workshop };
-        workshop.rebuild(Cow::Owned(direct), monitor)
     }
 
     /// Whether `indirect` light is rebuilt by itself. Passes need the weights of the whole.

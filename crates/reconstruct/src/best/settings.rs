@@ -202,6 +202,11 @@ stack::knob_groups! {
 }
 
 impl BestSettings {
+    /// What direct light is rebuilt with, where it is rebuilt apart.
+    pub fn for_direct_light(self) -> Self {
+        if self.light.direct_fast { self.hastened() } else { self }
+    }
+
     /// The same in a fraction of the time: few fits in small windows and few candidates, mixed by the rule alone; fewer
     /// scales of details that both halves agree on; spread events as they fall.
     pub fn hastened(self) -> Self {

@@ -27,7 +27,7 @@ pub struct Workshop<'a> {
     pub features: &'a GuideFeatures,
     /// How.
     pub settings: &'a BestSettings,
-    /// What helps to mix candidates.
+    /// What helps to mix candidates, where the settings ask for it.
     pub chooser: Option<&'a Chooser>,
     /// What is asked beside the picture.
     pub extras: Extras<'a>,
@@ -116,7 +116,8 @@ impl Workshop<'_> {
         let fit = &self.settings.regression;
         let candidates = piloted.candidates(&piloted.layers.halves, &piloted.first, fit, monitor)?;
         monitor.begin("choice", 1);
-        let weights = choice::weights(&piloted.contest(&candidates), &self.settings.choice, self.chooser);
+        let chooser = self.chooser.filter(|_| self.settings.choice.learned);
+        let weights = choice::weights(&piloted.contest(&candidates), &self.settings.choice, chooser);
         let halves = mixtures(&candidates, weights.channels());
         drop(candidates);
         let mut passes = Vec::new();

@@ -39,7 +39,7 @@ struct Picture<'a> {
 
 impl Example {
     /// The scattered light of `stack`, and, where it and both references keep direct and indirect light apart, either of
-    /// them; the references are independent of each other. Pixels that see a lamp are left out; which of the others are
+    /// them (direct light alone teaches what hardly noisy stacks need, though the network may not be asked about it); the references are independent of each other. Pixels that see a lamp are left out; which of the others are
     /// kept, `seed` says.
     ///
     /// # Errors
@@ -61,7 +61,9 @@ impl Example {
         let picture = Picture { stack, settings, whole: &whole.references.clone(), pixels };
         let mut examples = vec![picture.example(whole, &features, monitor)?];
         if let Some([direct, indirect]) = parts {
-            let workshop = Workshop { stack, features: &features, settings, chooser: None, extras: Extras::default() };
+            let of_direct = settings.for_direct_light();
+            let workshop =
+                Workshop { stack, features: &features, settings: &of_direct, chooser: None, extras: Extras::default() };
             let rebuilt = workshop.rebuild(Cow::Borrowed(&direct.component), monitor)?.picture;
             let guided = with_direct_light(&features, &rebuilt, settings.light.direct_guide);
             examples.push(picture.example(direct, &features, monitor)?);
