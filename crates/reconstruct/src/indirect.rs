@@ -61,10 +61,15 @@ mod tests {
         reconstruct(stack, &settings, &Silent).unwrap().picture
     }
 
+    /// Indirect light that knows nothing of direct light.
+    fn alone() -> LightSettings {
+        LightSettings { direct_guide: 0.0, direct_spread: 0.0, ..LightSettings::DEFAULT }
+    }
+
     #[test]
     fn both_parts_are_rebuilt_as_if_alone() {
         let [both, direct, indirect] = stacks([10, 20]);
-        let unguided = LightSettings { direct_guide: 0.0, direct_fast: false, ..LightSettings::DEFAULT };
+        let unguided = LightSettings { direct_fast: false, ..alone() };
         let mut sum = picture(&direct, unguided);
         sum.add(&picture(&indirect, unguided));
         let found = picture(&both, unguided);
@@ -77,7 +82,7 @@ mod tests {
     #[test]
     fn direct_light_may_be_rebuilt_fast_by_itself() {
         let [both, direct, indirect] = stacks([10, 20]);
-        let fast = LightSettings { direct_guide: 0.0, ..LightSettings::DEFAULT };
+        let fast = alone();
         let mut hastened = Settings::default();
         hastened.best = hastened.best.hastened();
         let mut sum = reconstruct(&direct, &hastened, &Silent).unwrap().picture;
@@ -105,6 +110,31 @@ mod tests {
             error(&picture(&both, LightSettings { direct_guide, ..LightSettings::DEFAULT }), &clean)
         });
         assert!(guided < 0.8 * unguided, "{guided} {unguided}");
+    }
+
+    #[test]
+    fn fireflies_of_indirect_light_belong_rather_to_pixels_that_direct_light_reaches() {
+        let [mut both, direct, mut indirect] = stacks([16, 16]);
+        let mut noise = TestNoise(18);
+        let lit = |x: usize| x < 16;
+        let buckets = [(); 8].map(|()| {
+            let mut light = |x: usize| if lit(x) && noise.uniform() < 0.02 { 60.0 } else { 0.2 };
+            let plane: Vec<f32> = (0..SIZE.pixels()).map(|pixel| light(pixel % SIZE.width)).collect();
+            Image::from_channels(SIZE, vec![plane; 3])
+        });
+        indirect.components = vec![component(buckets.to_vec(), &indirect.samples)];
+        both.indirect = Some(indirect.components[0].radiance.clone());
+        let Noise::Buckets(of_direct) = &direct.components[0].radiance.noise else { unreachable!() };
+        let mut sums = of_direct.clone();
+        sums.iter_mut().zip(&buckets).for_each(|(sum, bucket)| sum.add(bucket));
+        both.components = vec![component(sums, &both.samples)];
+        let in_the_dark = |direct_spread: f32| {
+            let picture = picture(&both, LightSettings { direct_spread, ..alone() });
+            let dark = (0..SIZE.pixels()).filter(|pixel| !lit(pixel % SIZE.width));
+            dark.map(|pixel| picture.rgb(pixel)[1] - 0.7).sum::<f32>()
+        };
+        let [beside, alone] = [1.0, 0.0].map(in_the_dark);
+        assert!(beside < 0.8 * alone, "{beside} {alone}");
     }
 
     #[test]

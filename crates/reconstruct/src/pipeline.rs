@@ -177,7 +177,10 @@ impl<'a> Collaborative<'a> {
         chooser: Option<&'a Chooser>,
         extras: Extras<'a>,
     ) -> Self {
-        Self { workshop: Workshop { stack, features, settings: &settings.best, chooser, extras }, settings }
+        Self {
+            workshop: Workshop { stack, features, beside: None, settings: &settings.best, chooser, extras },
+            settings,
+        }
     }
 
     /// A component by itself, or without its `indirect` light, and that by itself.
@@ -201,8 +204,10 @@ impl<'a> Collaborative<'a> {
         if is_lit(&indirect) {
             let Workshop { features, settings, .. } = self.workshop;
             let guided = best::with_direct_light(features, &sum.picture, settings.light.direct_guide);
-            let workshop = Workshop { features: guided.as_ref().unwrap_or(features), ..self.workshop };
-            sum.add(workshop.rebuild(Cow::Owned(indirect), monitor)?);
+            let (features, beside) = (guided.as_ref().unwrap_or(features), Some(&sum.picture));
+            let workshop = Workshop { features, beside, ..self.workshop };
+            let rebuilt = workshop.rebuild(Cow::Owned(indirect), monitor)?;
+            sum.add(rebuilt);
         }
         Ok(sum)
     }

@@ -45,11 +45,12 @@ pub struct Piloted<'a> {
 }
 
 impl<'a> Piloted<'a> {
-    /// All steps up to the second pass.
+    /// All steps up to the second pass; `beside` is light of the same picture that was rebuilt before.
     pub fn new(
         stack: &FeatureStack,
         component: Cow<'_, Component>,
         features: &'a GuideFeatures,
+        beside: Option<&Image>,
         settings: &BestSettings,
         passes: &[Image],
         monitor: &dyn Monitor,
@@ -71,7 +72,9 @@ impl<'a> Piloted<'a> {
         let mut pilot = mean_of(&first);
         let coloured = with_colour(features, &pilot, settings.colour.guide);
         let surfaces = coloured.as_ref().unwrap_or(features);
-        let events = spread::spread(&layers.events, &pilot, surfaces, &settings.spread);
+        let lit = with_share(&pilot, beside, settings.light.direct_spread);
+        let events = spread::spread(&layers.events, &lit, surfaces, &settings.spread);
+        drop(lit);
         let spread = spread::steadied(events.halves, &pilot, surfaces, &settings.spread, monitor)?;
         pilot.add(&spread);
         if let Some(parts) = parts {
@@ -124,6 +127,16 @@ impl<'a> Piloted<'a> {
         let Self { layers, pilot, .. } = self;
         Contest { candidates, layers, pilot, features: self.surfaces() }
     }
+}
+
+/// `picture` and `share` of what is `beside` it.
+fn with_share<'a>(picture: &'a Image, beside: Option<&Image>, share: f32) -> Cow<'a, Image> {
+    let Some(beside) = beside.filter(|_| share > 0.0) else { return Cow::Borrowed(picture) };
+    let mut sum = picture.clone();
+    for (sum, plane) in sum.channels_mut().iter_mut().zip(beside.channels()) {
+        sum.iter_mut().zip(plane).for_each(|(sum, v)| *sum += share * v);
+    }
+    Cow::Owned(sum)
 }
 
 /// Both layers: by buckets where there are any, else by what is known of the mean.

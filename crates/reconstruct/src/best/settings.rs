@@ -28,6 +28,9 @@ stack::knobs! {
         /// Weight of a difference in the logarithm of the rebuilt direct light against one in features, where indirect
         /// light is rebuilt apart; 0 leaves it to visibility.
         direct_guide: f32 = 0.3, 0.0..=100.0;
+        /// Weight of rebuilt direct light in the brightness by which fireflies of indirect light are spread, where it is
+        /// rebuilt apart: there is likely more of both in the same places. 0 leaves it to indirect light.
+        direct_spread: f32 = 0.5, 0.0..=100.0;
         /// Whether direct light, which has hardly any noise left, is rebuilt with the few fits and candidates of
         /// `--preset fast`, where it is rebuilt apart: whatever else is set of those.
         direct_fast: bool = true, ..;
@@ -100,9 +103,9 @@ stack::knobs! {
         /// Events that an event's surroundings must hold before it is spread no wider.
         events: f32 = 8.0, 1.0..=1000.0;
         /// Weight of a difference in the logarithm of brightness against one in features.
-        brightness: f32 = 1.8, 0.0..=100.0;
+        brightness: f32 = 1.5, 0.0..=100.0;
         /// Power of a pixel's brightness that its share of an event rises with.
-        share: f32 = 1.5, 0.0..=10.0;
+        share: f32 = 2.0, 0.0..=10.0;
         /// Scale of the differences between features that separate surfaces.
         feature_scale: f32 = 0.8, 0.01..=10.0;
         /// Scales, each twice as coarse as the one before, on which blotches of spread events are kept only where both

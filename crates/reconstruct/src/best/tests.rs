@@ -21,7 +21,8 @@ fn with(stack: &FeatureStack, extras: Extras) -> Reconstruction {
     let settings = BestSettings::default();
     let features = guide_features(stack, &settings.features, &Silent).unwrap();
     let (component, chooser) = (Cow::Borrowed(&stack.components[0]), trained().unwrap());
-    let shop = Workshop { stack, features: &features, settings: &settings, chooser: Some(&chooser), extras };
+    let (chooser, features) = (Some(&chooser), &features);
+    let shop = Workshop { stack, features, beside: None, settings: &settings, chooser, extras };
     let found = shop.rebuild(component, &Silent).unwrap();
     let values = found.picture.channels().iter().flatten().chain(&found.mse);
     assert!(values.into_iter().all(|v| v.is_finite() && *v >= 0.0), "something is negative or not a number");

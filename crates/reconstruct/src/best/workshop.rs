@@ -25,6 +25,8 @@ pub struct Workshop<'a> {
     pub stack: &'a FeatureStack,
     /// What explains it.
     pub features: &'a GuideFeatures,
+    /// Light of the same picture that was rebuilt before, where it says where there is likely more of the rest.
+    pub beside: Option<&'a Image>,
     /// How.
     pub settings: &'a BestSettings,
     /// What helps to mix candidates, where the settings ask for it.
@@ -60,7 +62,7 @@ impl Workshop<'_> {
     ) -> Result<Reconstruction, ReconstructError> {
         let settings = self.settings;
         let (stack, features, passes) = (self.stack, self.features, self.extras.passes);
-        let piloted = Piloted::new(stack, component, features, settings, passes, monitor)?;
+        let piloted = Piloted::new(stack, component, features, self.beside, settings, passes, monitor)?;
         let (halves, passes) = self.second_half(&piloted, monitor)?;
         let mut picture = mean_of(&halves);
         let surfaces = piloted.surfaces();

@@ -59,15 +59,15 @@ impl Example {
         let parts = parts_of(&whole, stack, references);
         let pixels = sampled(&unlit(stack), seed);
         let picture = Picture { stack, settings, whole: &whole.references.clone(), pixels };
-        let mut examples = vec![picture.example(whole, &features, monitor)?];
+        let mut examples = vec![picture.example(whole, &features, None, monitor)?];
         if let Some([direct, indirect]) = parts {
             let of_direct = settings.for_direct_light();
-            let workshop =
-                Workshop { stack, features: &features, settings: &of_direct, chooser: None, extras: Extras::default() };
+            let (features, extras) = (&features, Extras::default());
+            let workshop = Workshop { stack, features, beside: None, settings: &of_direct, chooser: None, extras };
             let rebuilt = workshop.rebuild(Cow::Borrowed(&direct.component), monitor)?.picture;
-            let guided = with_direct_light(&features, &rebuilt, settings.light.direct_guide);
-            examples.push(picture.example(direct, &features, monitor)?);
-            examples.push(picture.example(indirect, guided.as_ref().unwrap_or(&features), monitor)?);
+            let guided = with_direct_light(features, &rebuilt, settings.light.direct_guide);
+            examples.push(picture.example(direct, features, None, monitor)?);
+            examples.push(picture.example(indirect, guided.as_ref().unwrap_or(features), Some(&rebuilt), monitor)?);
         }
         Ok(examples)
     }
@@ -84,10 +84,11 @@ impl Picture<'_> {
         &self,
         light: Light,
         features: &GuideFeatures,
+        beside: Option<&Image>,
         monitor: &dyn Monitor,
     ) -> Result<Example, ReconstructError> {
         let Self { stack, settings, whole, pixels } = self;
-        let piloted = Piloted::new(stack, light.component, features, settings, &[], monitor)?;
+        let piloted = Piloted::new(stack, light.component, features, beside, settings, &[], monitor)?;
         let Piloted { layers, first, .. } = &piloted;
         let candidates = piloted.candidates(&layers.halves, first, &settings.regression, monitor)?;
         let contest = piloted.contest(&candidates);
