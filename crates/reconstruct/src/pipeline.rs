@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use stack::{Component, ComponentRole, Estimate, FeatureStack, Image, Monitor};
 
-use crate::best::{BestSettings, Chooser, Extras, GuideFeatures, Workshop};
+use crate::best::{Chooser, Extras, GuideFeatures, Workshop};
 use crate::completion::{Completed, complete};
 use crate::components::{is_lit, sum_of_components, variance_of};
 use crate::emission::{rebuild_emission, with_emission_apart};
@@ -136,6 +136,7 @@ pub fn reconstruct_with_chooser(
     chooser: Option<&Chooser>,
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
+    settings.best.check_candidates()?;
     collaborative(stack, settings, chooser, Extras::default(), monitor)
 }
 
@@ -156,11 +157,8 @@ fn collaborative(
 
 /// What the network says that comes along, where it is asked.
 fn chooser(settings: &Settings) -> Result<Option<Chooser>, ReconstructError> {
-    let BestSettings { choice, regression, .. } = settings.best;
-    if choice.learned && regression.few {
-        return Err(ReconstructError::FewCandidates);
-    }
-    Ok(choice.learned.then(best::trained).transpose()?)
+    settings.best.check_candidates()?;
+    Ok(settings.best.choice.learned.then(best::trained).transpose()?)
 }
 
 /// What collaborative fits need to rebuild a component.

@@ -1,5 +1,7 @@
 //! Settings of the project's own method.
 
+use crate::reconstruction::ReconstructError;
+
 stack::knobs! {
     /// How light is split into a low layer and events.
     pub struct SplitSettings("split") {
@@ -205,6 +207,14 @@ stack::knob_groups! {
 }
 
 impl BestSettings {
+    /// Whether the network is asked about candidates that it knows.
+    ///
+    /// # Errors
+    /// When only a few are made.
+    pub fn check_candidates(&self) -> Result<(), ReconstructError> {
+        if self.choice.learned && self.regression.few { Err(ReconstructError::FewCandidates) } else { Ok(()) }
+    }
+
     /// What direct light is rebuilt with, where it is rebuilt apart.
     pub fn for_direct_light(self) -> Self {
         if self.light.direct_fast { self.hastened() } else { self }

@@ -14,9 +14,9 @@ const LEAST_CAP: f32 = 1e-4;
 /// How far evening out may move what surroundings reach, down and up: shadows and highlights keep most of theirs.
 const MOVED: [f32; 2] = [0.6, 4.0];
 
-/// Luminance above which each pixel's buckets are cut: a multiple of what the surroundings reach, evened out; more where a quarter of
-/// its own buckets do, as far as that is no chance. `luminances` of the buckets of an image of `size` are ≥ 0, or
-/// `NOTHING` where there is no sample.
+/// Luminance above which each pixel's buckets are cut: a multiple of what the surroundings reach, evened out; more where
+/// a quarter of its own buckets do, as far as that is no chance. `luminances` of the buckets of an image of `size` are
+/// ≥ 0, or `NOTHING` where there is no sample.
 pub fn caps(size: Size, luminances: &[Vec<f32>], settings: &SplitSettings) -> Vec<f32> {
     Task { size, luminances, settings }.caps()
 }

@@ -39,11 +39,12 @@ struct Picture<'a> {
 
 impl Example {
     /// The scattered light of `stack`, and, where it and both references keep direct and indirect light apart, either of
-    /// them (direct light alone teaches what hardly noisy stacks need, though the network may not be asked about it); the references are independent of each other. Pixels that see a lamp are left out; which of the others are
-    /// kept, `seed` says.
+    /// them; the references are independent of each other. Direct light, though the network may not be asked about it, is
+    /// much like stacks with little noise. Pixels that see a lamp are left out; which of the others are kept, `seed` says.
     ///
     /// # Errors
-    /// When the stack has no scattered light or cannot be rebuilt, and when `monitor` cancels.
+    /// When the stack has no scattered light or cannot be rebuilt, when only a few candidates are made, and when `monitor`
+    /// cancels.
     ///
     /// # Panics
     /// When a reference has another size or no scattered light: that is a mistake in the calling code.
@@ -54,6 +55,7 @@ impl Example {
         seed: u64,
         monitor: &dyn Monitor,
     ) -> Result<Vec<Self>, ReconstructError> {
+        settings.check_candidates()?;
         let features = guide_features(stack, &settings.features, monitor)?;
         let whole = whole_light(stack, references)?;
         let parts = parts_of(&whole, stack, references);
