@@ -80,8 +80,8 @@ fn guided(guides: usize, planes: usize) -> usize {
     12 * (guides + EXPONENTIAL) + 25 * planes
 }
 
-/// Of spread events in two halves, and of the residual in eight parts: their luminances and the mean of colours are smoothed,
-/// each detail's squares three times.
+/// Of spread events in two halves, and of the residual in eight parts: their luminances and the mean of colours are
+/// smoothed, each detail's squares three times.
 fn cascade(settings: &BestSettings) -> usize {
     let of_parts = |guides: usize, parts: usize, signals: usize| guided(guides, parts + 3 + 3 * (1 + signals));
     let parts = settings.cascade.parts;

@@ -133,8 +133,8 @@ mod tests {
             let dark = (0..SIZE.pixels()).filter(|pixel| !lit(pixel % SIZE.width));
             dark.map(|pixel| picture.rgb(pixel)[1] - 0.7).sum::<f32>()
         };
-        let [beside, alone] = [1.0, 0.0].map(in_the_dark);
-        assert!(beside < 0.8 * alone, "{beside} {alone}");
+        let [with_direct, without] = [1.0, 0.0].map(in_the_dark);
+        assert!(with_direct < 0.8 * without, "{with_direct} {without}");
     }
 
     #[test]

@@ -10,6 +10,7 @@ use crate::components::{is_lit, sum_of_components, variance_of};
 use crate::emission::{rebuild_emission, with_emission_apart};
 use crate::indirect::{is_part_of, without};
 use crate::method::Method;
+use crate::network::WeightsError;
 use crate::prefilter::{FeatureSet, prefilter};
 use crate::reconstruction::{ReconstructError, Reconstruction};
 use crate::rivals::Rival;
@@ -106,7 +107,7 @@ fn freeing(
     let mut components = std::mem::take(&mut stack.components);
     let mut indirect = stack.indirect.take();
     let chooser = chooser(settings)?;
-    let task = Collaborative::new(stack, &features, settings, chooser.as_ref(), extras);
+    let task = Collaborative::new(stack, &features, settings, chooser.as_ref(), extras)?;
     let mut sum = Reconstruction::plain(Image::zeros(stack.size(), 3));
     // The last first: emission is soon done with.
     while let Some(component) = components.pop() {
@@ -136,7 +137,6 @@ pub fn reconstruct_with_chooser(
     chooser: Option<&Chooser>,
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
-    settings.best.check_candidates()?;
     collaborative(stack, settings, chooser, Extras::default(), monitor)
 }
 
@@ -148,7 +148,7 @@ fn collaborative(
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
     let features = best::guide_features(stack, &settings.best.features, monitor)?;
-    let task = Collaborative::new(stack, &features, settings, chooser, extras);
+    let task = Collaborative::new(stack, &features, settings, chooser, extras)?;
     sum_of_components(stack.size(), &stack.components, |component| {
         let indirect = stack.indirect.as_ref().filter(|_| component.role == ComponentRole::Scattered);
         task.rebuilt(Cow::Borrowed(component), indirect.map(Cow::Borrowed), monitor)
@@ -156,9 +156,8 @@ fn collaborative(
 }
 
 /// What the network says that comes along, where it is asked.
-fn chooser(settings: &Settings) -> Result<Option<Chooser>, ReconstructError> {
-    settings.best.check_candidates()?;
-    Ok(settings.best.choice.learned.then(best::trained).transpose()?)
+fn chooser(settings: &Settings) -> Result<Option<Chooser>, WeightsError> {
+    settings.best.choice.learned.then(best::trained).transpose()
 }
 
 /// What collaborative fits need to rebuild a component.
@@ -174,11 +173,10 @@ impl<'a> Collaborative<'a> {
         settings: &'a Settings,
         chooser: Option<&'a Chooser>,
         extras: Extras<'a>,
-    ) -> Self {
-        Self {
-            workshop: Workshop { stack, features, beside: None, settings: &settings.best, chooser, extras },
-            settings,
-        }
+    ) -> Result<Self, ReconstructError> {
+        settings.best.check_candidates()?;
+        let workshop = Workshop { stack, features, beside: None, settings: &settings.best, chooser, extras };
+        Ok(Self { workshop, settings })
     }
 
     /// A component by itself, or without its `indirect` light, and that by itself.

@@ -32,8 +32,8 @@ pub fn reach(settings: &FitSettings) -> usize {
 }
 
 /// The candidates of the second pass: two images (the halves of the low layer) rebuilt with the same weights, for three
-/// bandwidths, a small window and a tiny one, or for two bandwidths and a tiny window; `pilot` guides them, `first` are the
-/// halves of the first pass. Reports the stage `second pass`.
+/// bandwidths, a small window and a tiny one, or for two bandwidths and a tiny window; `pilot` guides them, `first` are
+/// the halves of the first pass. Reports the stage `second pass`.
 ///
 /// # Errors
 /// When `monitor` cancels.
@@ -74,7 +74,8 @@ pub fn second_pass(
     }
     let tiny = Kernel { bandwidth: TINY_BANDWIDTH, sigma: settings.tiny_sigma };
     let radius = settings.second_radius.min((REACH * tiny.sigma).ceil() as usize);
-    // By itself where its window is smaller: the lattice leaves many pixels to fits of their own, which need not be as wide.
+    // By itself where its window is smaller: the lattice leaves many pixels to fits of their own, which need not be as
+    // wide.
     let apart = radius < guides.radius;
     kernels.extend((!apart).then_some(tiny));
     monitor.begin("second pass", (1 + u64::from(apart)) * units(size, settings.stride, settings.covered));

@@ -79,14 +79,14 @@ impl Evidence {
         let raw = Raw { contest, precision: settings.precision };
         let pixels = contest.pilot.pixels();
         let candidates = contest.candidates.len();
-        let (mut planes, dilations) = match scales {
-            Scales::OfTheRule if candidates == FEW => {
-                (Vec::from(planes_by_eight::<{ 1 + FEW }>(pixels, &raw)), &DILATIONS[..=LEVEL_OF_RULE])
-            }
-            Scales::OfTheRule => {
-                (Vec::from(planes_by_eight::<{ 1 + CANDIDATES }>(pixels, &raw)), &DILATIONS[..=LEVEL_OF_RULE])
-            }
-            Scales::All => (Vec::from(planes_by_eight::<ALL>(pixels, &raw)), &DILATIONS[..]),
+        let mut planes = match scales {
+            Scales::OfTheRule if candidates == FEW => Vec::from(planes_by_eight::<{ 1 + FEW }>(pixels, &raw)),
+            Scales::OfTheRule => Vec::from(planes_by_eight::<{ 1 + CANDIDATES }>(pixels, &raw)),
+            Scales::All => Vec::from(planes_by_eight::<ALL>(pixels, &raw)),
+        };
+        let dilations = match scales {
+            Scales::OfTheRule => &DILATIONS[..=LEVEL_OF_RULE],
+            Scales::All => &DILATIONS[..],
         };
         let kernel = contest.kernel(settings);
         let mut levels: Vec<Level> = Vec::with_capacity(dilations.len());

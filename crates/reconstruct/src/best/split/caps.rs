@@ -48,11 +48,11 @@ impl Task<'_> {
         if radius == 0 {
             return reached.to_vec();
         }
-        let logarithms: Vec<f32> = reached.iter().map(|v| v.max(LEAST_CAP).ln()).collect();
+        let logarithms: Vec<f32> = reached.par_iter().map(|v| v.max(LEAST_CAP).ln()).collect();
         let smooth = box_mean(&box_mean(&logarithms, self.size, radius), self.size, radius);
         let [least, most] = MOVED;
         let moved = |(smooth, v): (&f32, &f32)| smooth.exp().clamp(least * v, most * v.max(LEAST_CAP));
-        smooth.iter().zip(reached).map(moved).collect()
+        smooth.par_iter().zip(reached).map(moved).collect()
     }
 
     /// Both ranks pixel by pixel, however deep they lie.
