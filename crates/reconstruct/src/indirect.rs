@@ -1,7 +1,10 @@
 //! Direct and indirect light apart. Shadows end where indirect light goes on, and its noise is of another kind: each
-//! part is rebuilt better by itself than both together.
+//! part is rebuilt better by itself than both together, where direct light has little noise.
 
-use stack::{Component, Estimate, Image, Noise};
+use stack::{Component, Estimate, Image, Noise, SampleCounts};
+
+use crate::best::halves::luminance;
+use crate::box_filter::box_mean;
 
 /// Whether `indirect` can be taken off `whole`: both come in as many buckets.
 pub fn is_part_of(indirect: &Estimate, whole: &Estimate) -> bool {
@@ -11,13 +14,44 @@ pub fn is_part_of(indirect: &Estimate, whole: &Estimate) -> bool {
     }
 }
 
-/// What is left of a component without its `indirect` light.
-pub fn without(mut whole: Component, indirect: &Estimate) -> Component {
-    take_off(&mut whole.radiance.mean, &indirect.mean);
-    if let (Noise::Buckets(buckets), Noise::Buckets(indirect)) = (&mut whole.radiance.noise, &indirect.noise) {
+/// Direct light, which is the `whole` without its `indirect` light, and that.
+pub fn parts(whole: Component, indirect: Estimate) -> [Component; 2] {
+    let of = |radiance| Component { role: whole.role, radiance };
+    [of(without(whole.radiance, &indirect)), of(indirect)]
+}
+
+fn without(mut whole: Estimate, indirect: &Estimate) -> Estimate {
+    take_off(&mut whole.mean, &indirect.mean);
+    if let (Noise::Buckets(buckets), Noise::Buckets(indirect)) = (&mut whole.noise, &indirect.noise) {
         buckets.iter_mut().zip(indirect).for_each(|(bucket, indirect)| take_off(bucket, indirect));
     }
     whole
+}
+
+/// The share of the noise of `whole` that is not that of its `indirect` light: variances of the mean over RGB, each
+/// relative to the squared luminance L² + 0.001 of 5×5 pixels, averaged over the picture. Zero where there is no noise.
+pub fn direct_share_of_noise(indirect: &Estimate, whole: &Estimate, counts: &SampleCounts) -> f32 {
+    let [indirect, whole] = [indirect, whole].map(grey);
+    let size = whole.mean.size();
+    let around = box_mean(&whole.mean.channels()[0], size, 2);
+    let relative_noise = |light: &Estimate| {
+        let variance = light.variance_of_mean(counts).unwrap_or_else(|| Image::zeros(size, 1));
+        let relative = variance.channels()[0].iter().zip(&around).map(|(v, l)| f64::from(v / (l * l + 1e-3)));
+        relative.filter(|v| !v.is_nan()).sum::<f64>()
+    };
+    let of_indirect = relative_noise(&indirect);
+    let of_direct = relative_noise(&without(whole, &indirect));
+    if of_direct > 0.0 { (of_direct / (of_direct + of_indirect)) as f32 } else { 0.0 }
+}
+
+/// Means over RGB.
+fn grey(light: &Estimate) -> Estimate {
+    let grey = |image: &Image| Image::from_channels(image.size(), vec![luminance(image)]);
+    let noise = match &light.noise {
+        Noise::Buckets(buckets) => Noise::Buckets(buckets.iter().map(grey).collect()),
+        _ => Noise::Unknown,
+    };
+    Estimate { mean: grey(&light.mean), noise }
 }
 
 /// Takes a part off an image; rounding leaves nothing below zero.
@@ -61,28 +95,44 @@ mod tests {
         reconstruct(stack, &settings, &Silent).unwrap().picture
     }
 
-    /// Indirect light that knows nothing of direct light.
+    /// Indirect light that knows nothing of direct light, which is rebuilt with all fits.
     fn alone() -> LightSettings {
-        LightSettings { direct_guide: 0.0, direct_spread: 0.0, ..LightSettings::DEFAULT }
+        LightSettings { direct_guide: 0.0, direct_spread: 0.0, direct_fast: 0.0, ..LightSettings::DEFAULT }
     }
 
     #[test]
     fn both_parts_are_rebuilt_as_if_alone() {
         let [both, direct, indirect] = stacks([10, 20]);
-        let unguided = LightSettings { direct_fast: false, ..alone() };
-        let mut sum = picture(&direct, unguided);
-        sum.add(&picture(&indirect, unguided));
-        let found = picture(&both, unguided);
+        let mut sum = picture(&direct, alone());
+        sum.add(&picture(&indirect, alone()));
+        let found = picture(&both, alone());
         for (a, b) in found.channels().iter().flatten().zip(sum.channels().iter().flatten()) {
             assert!((a - b).abs() < 1e-3, "{a} {b}");
         }
-        assert!(picture(&both, LightSettings { apart: false, ..unguided }) != found);
+        let whole = picture(&both, LightSettings { apart: false, ..alone() });
+        assert!(whole != found);
+        // Deviations of 0.1 and 0.4, so a share of 1/17.
+        assert_eq!(picture(&both, LightSettings { direct_noise: 0.04, ..alone() }), whole);
+        assert_eq!(picture(&both, LightSettings { direct_noise: 0.08, ..alone() }), found);
+    }
+
+    #[test]
+    fn noise_is_shared_as_variances_are() {
+        let [both, ..] = stacks([10, 20]);
+        let share = |indirect: &Estimate| direct_share_of_noise(indirect, &both.components[0].radiance, &both.samples);
+        let found = share(both.indirect.as_ref().unwrap());
+        assert!((found * 17.0 - 1.0).abs() < 0.2, "{found}");
+        let mut dark = both.indirect.clone().unwrap();
+        let Noise::Buckets(buckets) = &mut dark.noise else { unreachable!() };
+        buckets.iter_mut().chain([&mut dark.mean]).for_each(|image| *image = Image::zeros(SIZE, 3));
+        assert_eq!(share(&dark), 1.0);
+        assert_eq!(share(&both.components[0].radiance), 0.0);
     }
 
     #[test]
     fn direct_light_may_be_rebuilt_fast_by_itself() {
         let [both, direct, indirect] = stacks([10, 20]);
-        let fast = alone();
+        let fast = LightSettings { direct_fast: 1.0, ..alone() };
         let mut hastened = Settings::default();
         hastened.best = hastened.best.hastened();
         let mut sum = reconstruct(&direct, &hastened, &Silent).unwrap().picture;

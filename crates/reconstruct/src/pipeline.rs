@@ -8,7 +8,7 @@ use crate::best::{Chooser, Extras, GuideFeatures, Workshop};
 use crate::completion::{Completed, complete};
 use crate::components::{is_lit, sum_of_components, variance_of};
 use crate::emission::{rebuild_emission, with_emission_apart};
-use crate::indirect::{is_part_of, without};
+use crate::indirect::{direct_share_of_noise, is_part_of, parts};
 use crate::method::Method;
 use crate::network::WeightsError;
 use crate::prefilter::{FeatureSet, prefilter};
@@ -179,37 +179,40 @@ impl<'a> Collaborative<'a> {
         Ok(Self { workshop, settings })
     }
 
-    /// A component by itself, or without its `indirect` light, and that by itself.
+    /// A component by itself, or, where its direct light has little noise, direct and `indirect` light by themselves.
     fn rebuilt(
         &self,
         component: Cow<'_, Component>,
         indirect: Option<Cow<'_, Estimate>>,
         monitor: &dyn Monitor,
     ) -> Result<Reconstruction, ReconstructError> {
-        let Some(indirect) = indirect.filter(|indirect| self.is_apart(indirect, &component)) else {
+        let Some(indirect) = indirect.filter(|indirect| self.may_be_apart(indirect, &component)) else {
             return self.rebuilt_whole(component, monitor);
         };
-        let mut sum = Reconstruction::plain(Image::zeros(self.workshop.stack.size(), 3));
-        let direct = without(component.into_owned(), &indirect);
+        let Workshop { stack, features, settings, .. } = self.workshop;
+        let share = direct_share_of_noise(&indirect, &component.radiance, &stack.samples);
+        if share >= settings.light.direct_noise {
+            drop(indirect);
+            return self.rebuilt_whole(component, monitor);
+        }
+        let [direct, indirect] = parts(component.into_owned(), indirect.into_owned());
+        let mut sum = Reconstruction::plain(Image::zeros(stack.size(), 3));
         if is_lit(&direct) {
-            let settings = self.workshop.settings.for_direct_light();
+            let settings = settings.for_direct_light(share);
             let workshop = Workshop { settings: &settings, ..self.workshop };
             sum.add(workshop.rebuild(Cow::Owned(direct), monitor)?);
         }
-        let indirect = Component { role: ComponentRole::Scattered, radiance: indirect.into_owned() };
         if is_lit(&indirect) {
-            let Workshop { features, settings, .. } = self.workshop;
             let guided = best::with_direct_light(features, &sum.picture, settings.light.direct_guide);
             let (features, beside) = (guided.as_ref().unwrap_or(features), Some(&sum.picture));
             let workshop = Workshop { features, beside, ..self.workshop };
-            let rebuilt = workshop.rebuild(Cow::Owned(indirect), monitor)?;
-            sum.add(rebuilt);
+            sum.add(workshop.rebuild(Cow::Owned(indirect), monitor)?);
         }
         Ok(sum)
     }
 
-    /// Whether `indirect` light is rebuilt by itself. Passes need the weights of the whole.
-    fn is_apart(&self, indirect: &Estimate, component: &Component) -> bool {
+    /// Whether `indirect` light can be rebuilt by itself, and it is asked for. Passes need the weights of the whole.
+    fn may_be_apart(&self, indirect: &Estimate, component: &Component) -> bool {
         let Workshop { settings, extras, .. } = self.workshop;
         settings.light.apart && extras.passes.is_empty() && is_part_of(indirect, &component.radiance)
     }

@@ -25,7 +25,7 @@ stack::knobs! {
     /// Which parts of the light are rebuilt apart.
     pub struct LightSettings("light") {
         /// Whether direct and indirect light are, where a stack keeps them apart: their borders lie elsewhere. It takes
-        /// almost twice the time.
+        /// up to twice the time.
         apart: bool = true, ..;
         /// Weight of a difference in the logarithm of the rebuilt direct light against one in features, where indirect
         /// light is rebuilt apart; 0 leaves it to visibility.
@@ -33,9 +33,12 @@ stack::knobs! {
         /// Weight of rebuilt direct light in the brightness by which fireflies of indirect light are spread, where it is
         /// rebuilt apart: there is likely more of both in the same places. 0 leaves it to indirect light.
         direct_spread: f32 = 0.5, 0.0..=100.0;
-        /// Whether direct light, which has hardly any noise left, is rebuilt with the few fits and candidates of
-        /// `--preset fast`, where it is rebuilt apart: whatever else is set of those.
-        direct_fast: bool = true, ..;
+        /// Share of the noise from which on direct light is not rebuilt apart, as under a wide sky: the light of both has
+        /// less noise to tell its borders by.
+        direct_noise: f32 = 0.45, 0.0..=1.0;
+        /// Share of the noise below which direct light, where it is rebuilt apart, is rebuilt with the few fits and
+        /// candidates of `--preset fast`: whatever else is set of those.
+        direct_fast: f32 = 0.05, 0.0..=1.0;
     }
 }
 
@@ -215,9 +218,9 @@ impl BestSettings {
         if self.choice.learned && self.regression.few { Err(ReconstructError::FewCandidates) } else { Ok(()) }
     }
 
-    /// What direct light is rebuilt with, where it is rebuilt apart.
-    pub fn for_direct_light(self) -> Self {
-        if self.light.direct_fast { self.hastened() } else { self }
+    /// What direct light is rebuilt with, where it is rebuilt apart and has this `share` of the noise.
+    pub fn for_direct_light(self, share: f32) -> Self {
+        if share < self.light.direct_fast { self.hastened() } else { self }
     }
 
     /// The same in a fraction of the time: few fits in small windows and few candidates, mixed by the rule alone; fewer

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use stack::{ComponentRole, FeatureStack, Image, Monitor};
 
 use super::answer::{Answer, Judged};
-use super::lights::{Light, parts_of, whole_light};
+use super::lights::{Light, Parts, parts_of, whole_light};
 use super::slope::{errors_of_rule, norm_of};
 use crate::best::choice::inputs::{Block, Inputs, LANES};
 use crate::best::piloted::Piloted;
@@ -62,8 +62,8 @@ impl Example {
         let pixels = sampled(&unlit(stack), seed);
         let picture = Picture { stack, settings, whole: &whole.references.clone(), pixels };
         let mut examples = vec![picture.example(whole, &features, None, monitor)?];
-        if let Some([direct, indirect]) = parts {
-            let of_direct = settings.for_direct_light();
+        if let Some(Parts { direct, indirect, share }) = parts {
+            let of_direct = settings.for_direct_light(share);
             let (features, extras) = (&features, Extras::default());
             let workshop = Workshop { stack, features, beside: None, settings: &of_direct, chooser: None, extras };
             let rebuilt = workshop.rebuild(Cow::Borrowed(&direct.component), monitor)?.picture;

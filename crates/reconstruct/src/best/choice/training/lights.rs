@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use stack::{Component, ComponentRole, FeatureStack, Image};
 
 use crate::components::is_lit;
-use crate::indirect::{is_part_of, take_off, without};
+use crate::indirect::{direct_share_of_noise, is_part_of, parts, take_off};
 use crate::reconstruction::ReconstructError;
 
 /// Light that is rebuilt by itself.
@@ -30,8 +30,16 @@ pub fn whole_light<'a>(stack: &'a FeatureStack, references: &[FeatureStack; 2]) 
     Ok(Light { component: Cow::Borrowed(component), references: references.each_ref().map(scattered) })
 }
 
+/// Direct and indirect light.
+pub struct Parts {
+    pub direct: Light<'static>,
+    pub indirect: Light<'static>,
+    /// Share of the noise that direct light has.
+    pub share: f32,
+}
+
 /// Direct and indirect light, where they are known apart and there is some of both.
-pub fn parts_of(whole: &Light, stack: &FeatureStack, references: &[FeatureStack; 2]) -> Option<[Light<'static>; 2]> {
+pub fn parts_of(whole: &Light, stack: &FeatureStack, references: &[FeatureStack; 2]) -> Option<Parts> {
     let radiance = stack.indirect.as_ref().filter(|indirect| is_part_of(indirect, &whole.component.radiance))?;
     let [Some(first), Some(second)] = references.each_ref().map(|reference| reference.indirect.as_ref()) else {
         return None;
@@ -39,9 +47,9 @@ pub fn parts_of(whole: &Light, stack: &FeatureStack, references: &[FeatureStack;
     let of_indirect = [first, second].map(|estimate| estimate.mean.clone());
     let mut of_direct = whole.references.clone();
     of_direct.iter_mut().zip(&of_indirect).for_each(|(whole, part)| take_off(whole, part));
-    let direct = without(whole.component.clone().into_owned(), radiance);
-    let indirect = Component { role: ComponentRole::Scattered, radiance: radiance.clone() };
-    let parts = [(direct, of_direct), (indirect, of_indirect)];
-    let both_lit = parts.iter().all(|(component, _)| is_lit(component));
-    both_lit.then(|| parts.map(|(component, references)| Light { component: Cow::Owned(component), references }))
+    let share = direct_share_of_noise(radiance, &whole.component.radiance, &stack.samples);
+    let [direct, indirect] = parts(whole.component.clone().into_owned(), radiance.clone());
+    let light = |component, references| Light { component: Cow::Owned(component), references };
+    let both_lit = is_lit(&direct) && is_lit(&indirect);
+    both_lit.then(|| Parts { direct: light(direct, of_direct), indirect: light(indirect, of_indirect), share })
 }
