@@ -6,6 +6,9 @@
 use rayon::prelude::*;
 use stack::Size;
 
+/// Values that one task looks through.
+const CHUNK: usize = 4096;
+
 /// Sums of `width` consecutive values of `values`: `sums[i] = Σ values[i..i + width]`.
 ///
 /// Pairs, fours, eights … are formed in `partial`, so that it takes about 2·log₂(width) additions a value. The order of
@@ -67,6 +70,9 @@ fn narrow_sums<const W: usize>(values: &[f32], sums: &mut [f32]) {
 /// When `plane` does not hold `size.pixels()` values.
 pub fn box_mean(plane: &[f32], size: Size, radius: usize) -> Vec<f32> {
     assert_eq!(plane.len(), size.pixels(), "a plane must cover the image");
+    if plane.par_chunks(CHUNK).all(|part| part.iter().all(|v| !v.is_nan())) {
+        return mean_of_known(plane, size, radius);
+    }
     let known: Vec<f32> = plane.iter().map(|v| if v.is_nan() { 0.0 } else { 1.0 }).collect();
     let values: Vec<f32> = plane.iter().map(|v| if v.is_nan() { 0.0 } else { *v }).collect();
     let mut sums = box_sum(&values, size, radius);
@@ -74,6 +80,18 @@ pub fn box_mean(plane: &[f32], size: Size, radius: usize) -> Vec<f32> {
     for (sum, count) in sums.iter_mut().zip(&counts) {
         *sum = if *count > 0.0 { *sum / count } else { f32::NAN };
     }
+    sums
+}
+
+/// The same where everything is known.
+fn mean_of_known(plane: &[f32], size: Size, radius: usize) -> Vec<f32> {
+    let inside = |at: usize, length: usize| ((at + radius + 1).min(length) - at.saturating_sub(radius)) as f32;
+    let columns: Vec<f32> = (0..size.width).map(|x| inside(x, size.width)).collect();
+    let mut sums = box_sum(plane, size, radius);
+    sums.par_chunks_mut(size.width.max(1)).enumerate().for_each(|(y, row)| {
+        let rows = inside(y, size.height);
+        row.iter_mut().zip(&columns).for_each(|(sum, columns)| *sum /= rows * columns);
+    });
     sums
 }
 

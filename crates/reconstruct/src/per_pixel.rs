@@ -7,6 +7,12 @@ use crate::eight::{LANES, Lanes};
 /// Pixels that one task works on.
 const CHUNK: usize = 4096;
 
+/// The plane of as many `pixels` whose values are those of each pixel.
+pub fn plane(pixels: usize, value: impl Fn(usize) -> f32 + Sync) -> Vec<f32> {
+    let [plane] = planes(pixels, |pixel| [value(pixel)]);
+    plane
+}
+
 /// The `N` planes of as many `pixels` whose numbers are `values` of each pixel.
 pub fn planes<const N: usize>(pixels: usize, values: impl Fn(usize) -> [f32; N] + Sync) -> [Vec<f32>; N] {
     filled(pixels, |first, part: &mut [&mut [f32]; N]| {

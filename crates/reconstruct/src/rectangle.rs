@@ -1,5 +1,6 @@
 //! Rectangles of an image, and the tiles it is worked on in.
 
+use rayon::prelude::*;
 use stack::Size;
 
 /// Columns `x0..x1` and rows `y0..y1` of an image.
@@ -65,15 +66,16 @@ pub fn tiles_of(size: Size, side: usize) -> Vec<Rectangle> {
 
 /// Tiles made into whole planes.
 pub fn put_together(size: Size, tiles: &[Rectangle], parts: &[Vec<Vec<f32>>], planes: usize) -> Vec<Vec<f32>> {
-    let mut out = vec![vec![0.0; size.pixels()]; planes];
-    for (tile, channels) in tiles.iter().zip(parts) {
-        for (plane, values) in out.iter_mut().zip(channels) {
-            for (y, row) in (tile.y0..tile.y1).zip(values.chunks_exact(tile.width())) {
+    let whole = |number: usize| {
+        let mut plane = vec![0.0; size.pixels()];
+        for (tile, planes) in tiles.iter().zip(parts) {
+            for (y, row) in (tile.y0..tile.y1).zip(planes[number].chunks_exact(tile.width())) {
                 plane[size.index(tile.x0, y)..][..row.len()].copy_from_slice(row);
             }
         }
-    }
-    out
+        plane
+    };
+    (0..planes).into_par_iter().map(whole).collect()
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Variances made fit for use: smoothed, and known everywhere.
 
+use rayon::prelude::*;
 use stack::{Estimate, GroupCounts, Image, SampleCounts, Size};
 
 use crate::box_filter::{box_mean, fill_unknown};
@@ -45,7 +46,7 @@ pub fn steadied(mut variance: Image, least: f32) -> Image {
     let size = variance.size();
     for plane in variance.channels_mut() {
         let smooth = box_mean(plane, size, 1);
-        plane.iter_mut().zip(&smooth).for_each(|(v, s)| *v = 0.5 * *v + 0.5 * s + least);
+        plane.par_iter_mut().zip(&smooth).for_each(|(v, s)| *v = 0.5 * *v + 0.5 * s + least);
     }
     variance
 }

@@ -34,8 +34,13 @@ pub use weights::trained;
 /// Radius of the box that smooths weights, in pixels.
 const WEIGHT_RADIUS: usize = 2;
 
-/// Rows of a mixture that are made at once: what is known about all candidates takes more memory than anything else.
+/// Rows of a mixture that are made at once: what is known about all candidates takes more memory than anything else, and
+/// what the rule alone asks for less than half of it.
 const ROWS: usize = 128;
+const ROWS_OF_RULE: usize = 256;
+
+/// Pixels of a mixture that one task makes.
+const CHUNK: usize = 4096;
 
 /// How far from a pixel a choice looks, in pixels.
 pub const REACH: usize = evidence::REACH + WEIGHT_RADIUS;
@@ -70,7 +75,8 @@ pub fn weights(contest: &Contest, settings: &ChoiceSettings, chooser: Option<&Ch
     assert!(count == CANDIDATES || (count == FEW && chooser.is_none()), "the network knows {CANDIDATES} candidates");
     let size = contest.pilot.size();
     let mut weights = Image::zeros(size, count);
-    for band in bands(size.height, ROWS, REACH) {
+    let rows = if chooser.is_some() { ROWS } else { ROWS_OF_RULE };
+    for band in bands(size.height, rows, REACH) {
         let rows = |image: &Image| image_rows(image, &band.around);
         let candidates: Vec<_> = contest.candidates.iter().map(|halves| halves.each_ref().map(rows)).collect();
         let (layers, features) = (contest.layers.rows(&band.around), contest.features.rows(&band.around));
@@ -152,19 +158,19 @@ impl<const N: usize, J: Judge<N>> pulp::NullaryFnOnce for BlockTask<'_, J, N> {
 
 /// Both halves of all `candidates`, added up with their `weights`.
 pub fn mixtures(candidates: &[[Image; 2]], weights: &[Vec<f32>]) -> [Image; 2] {
-    [0, 1].map(|half: usize| mixture(candidates, weights, half))
-}
-
-fn mixture(candidates: &[[Image; 2]], weights: &[Vec<f32>], half: usize) -> Image {
-    let mut mixed = Image::zeros(candidates[0][half].size(), 3);
-    for (candidate, weights) in candidates.iter().zip(weights) {
-        for (sum, plane) in mixed.channels_mut().iter_mut().zip(candidate[half].channels()) {
-            for ((sum, value), weight) in sum.iter_mut().zip(plane).zip(weights) {
-                *sum += weight * value;
-            }
+    [0, 1].map(|half: usize| {
+        let mut mixed = Image::zeros(candidates[0][half].size(), 3);
+        for (c, plane) in mixed.channels_mut().iter_mut().enumerate() {
+            plane.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, sums)| {
+                let pixels = chunk * CHUNK..chunk * CHUNK + sums.len();
+                for (candidate, weights) in candidates.iter().zip(weights) {
+                    let (values, weights) = (&candidate[half].channels()[c][pixels.clone()], &weights[pixels.clone()]);
+                    sums.iter_mut().zip(values).zip(weights).for_each(|((sum, value), weight)| *sum += weight * value);
+                }
+            });
         }
-    }
-    mixed
+        mixed
+    })
 }
 
 #[cfg(test)]

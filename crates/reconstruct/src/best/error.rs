@@ -6,6 +6,7 @@ use super::guided_kernel::GuidedKernel;
 use super::halves::luminance;
 use super::settings::ErrorSettings;
 use crate::box_filter::box_mean;
+use crate::per_pixel::plane;
 
 /// Dilations of the kernel, one after the other.
 const DILATIONS: [usize; 2] = [1, 2];
@@ -22,14 +23,15 @@ pub fn estimated_error(
     kernel: &GuidedKernel,
     settings: &ErrorSettings,
 ) -> Vec<f32> {
-    let scale: Vec<f32> = box_mean(&luminance(picture), picture.size(), 1).iter().map(|l| l * l + 1e-3).collect();
+    let around = box_mean(&luminance(picture), picture.size(), 1);
+    let scale = |pixel: usize| around[pixel] * around[pixel] + 1e-3;
     let between = variance_of_mean(halves);
-    let relative = |pixel: usize| (settings.halves * between[pixel] + settings.events * events[pixel]) / scale[pixel];
-    let mut error = vec![(0..scale.len()).map(relative).collect::<Vec<f32>>()];
+    let relative = |pixel: usize| (settings.halves * between[pixel] + settings.events * events[pixel]) / scale(pixel);
+    let mut error = vec![plane(picture.pixels(), relative)];
     for dilation in DILATIONS {
         error = kernel.smooth(&error, dilation);
     }
-    error.swap_remove(0).iter().zip(&scale).map(|(error, scale)| error * scale).collect()
+    plane(picture.pixels(), |pixel| error[0][pixel] * scale(pixel))
 }
 
 /// (A − B)²/4, mean over RGB.
@@ -38,7 +40,7 @@ fn variance_of_mean([a, b]: &[Image; 2]) -> Vec<f32> {
         let (a, b) = (a.rgb(pixel), b.rgb(pixel));
         (0..3).map(|c| (a[c] - b[c]).powi(2)).sum::<f32>() / 12.0
     };
-    (0..a.pixels()).map(square).collect()
+    plane(a.pixels(), square)
 }
 
 /// Share of the noise around it that a pixel is given which saw none itself.

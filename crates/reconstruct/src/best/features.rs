@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use rayon::prelude::*;
 use stack::{Cancelled, Feature, FeatureRole, FeatureStack, Monitor, SampleCounts, Size};
 
 use super::settings::FeatureSettings;
@@ -82,18 +83,15 @@ fn filtered(
 ) -> Result<Vec<Vec<f32>>, Cancelled> {
     let scale = natural_scale(feature.role);
     let normal = normalised(feature, counts, VarianceSource::Buckets);
-    let planes: Vec<Vec<f32>> =
-        normal.planes.into_iter().map(|plane| plane.into_iter().map(|v| scale * v).collect()).collect();
+    let mut planes = normal.planes;
+    planes.par_iter_mut().flatten().for_each(|v| *v *= scale);
     let variance = normal.variance.and_then(|variance| smoothed(&variance, settings.variance_radius));
     let Some(variance) = variance else {
         monitor.advance(units(feature.estimate.mean.size()));
         return Ok(planes);
     };
-    let variances: Vec<Vec<f32>> = variance
-        .into_channels()
-        .into_iter()
-        .map(|plane| plane.into_iter().map(|v| scale * scale * v + LEAST_VARIANCE).collect())
-        .collect();
+    let mut variances = variance.into_channels();
+    variances.par_iter_mut().flatten().for_each(|v| *v = scale * scale * *v + LEAST_VARIANCE);
     let guide = Guide {
         planes: NoisyPlanes { size: feature.estimate.mean.size(), values: &planes, variances: &variances },
         comparison: Comparison { patch_radius: settings.patch_radius, epsilon: 1e-8, noise_taken_off: 1.0 },

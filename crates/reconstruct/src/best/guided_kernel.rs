@@ -9,6 +9,7 @@ use stack::{Image, Size};
 
 use super::features::GuideFeatures;
 use super::light_guide::logarithm;
+use crate::per_pixel::plane;
 use taps::Guides;
 pub use taps::Taps;
 
@@ -36,8 +37,9 @@ impl<'a> GuidedKernel<'a> {
     /// A kernel that stays on surfaces and among pixels of like brightness in `picture`: a squared difference of its
     /// logarithm counts `brightness` times one of a feature.
     pub fn surfaces_and_brightness(features: &'a GuideFeatures, picture: &Image, scale: f32, brightness: f32) -> Self {
-        let weighed = |v: &f32| brightness.sqrt() * logarithm(*v);
-        let brightness = picture.channels().iter().map(|plane| plane.iter().map(weighed).collect()).collect();
+        let weight = brightness.sqrt();
+        let weighed = |values: &Vec<f32>| plane(values.len(), |pixel| weight * logarithm(values[pixel]));
+        let brightness = picture.channels().iter().map(weighed).collect();
         Self { brightness, ..Self::surfaces(features, scale) }
     }
 

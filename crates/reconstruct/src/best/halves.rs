@@ -1,6 +1,9 @@
 //! Arithmetic of pictures that come in halves.
 
+use rayon::prelude::*;
 use stack::{Image, Size};
+
+use crate::per_pixel::plane;
 
 /// Two images of `size` whose six planes are `planes`, however they are grouped.
 pub fn halves_of(size: Size, planes: Vec<Vec<Vec<f32>>>) -> [Image; 2] {
@@ -17,12 +20,12 @@ pub fn sum_of([a, b]: &[Image; 2]) -> Image {
 
 /// Mean of two halves.
 pub fn mean_of(halves: &[Image; 2]) -> Image {
-    let [a, b] = [0, 1].map(|half: usize| halves[half].channels());
-    let channels = a.iter().zip(b).map(|(a, b)| a.iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect());
-    Image::from_channels(halves[0].size(), channels.collect())
+    let [a, b] = halves.each_ref().map(Image::channels);
+    let mean = |(a, b): (&Vec<f32>, &Vec<f32>)| plane(a.len(), |pixel| 0.5 * (a[pixel] + b[pixel]));
+    Image::from_channels(halves[0].size(), a.par_iter().zip(b).map(mean).collect())
 }
 
 /// Mean over RGB of every pixel.
 pub fn luminance(image: &Image) -> Vec<f32> {
-    (0..image.pixels()).map(|pixel| image.mean_at(pixel)).collect()
+    plane(image.pixels(), |pixel| image.mean_at(pixel))
 }

@@ -19,6 +19,7 @@ use super::split::{self, Layers};
 use super::{first_pass, second_pass, spread};
 use crate::bands::{image_rows, rows_of};
 use crate::box_filter::box_mean;
+use crate::per_pixel::plane;
 use crate::reconstruction::ReconstructError;
 use crate::recorruption::evenly_recorrupted_halves;
 
@@ -172,6 +173,6 @@ fn share_of_samples(counts: &[u32], settings: &FitSettings) -> Option<Vec<f32>> 
 pub fn relative_noise(layers: &Layers) -> Vec<f32> {
     let size = layers.variance.size();
     let luminance = box_mean(&luminance(&mean_of(&layers.halves)), size, 2);
-    let relative = |(i, l): (usize, &f32)| layers.variance.mean_at(i) / (l * l + 1e-3);
-    box_mean(&luminance.iter().enumerate().map(relative).collect::<Vec<f32>>(), size, 2)
+    let relative = |pixel: usize| layers.variance.mean_at(pixel) / (luminance[pixel] * luminance[pixel] + 1e-3);
+    box_mean(&plane(size.pixels(), relative), size, 2)
 }

@@ -21,7 +21,7 @@ pub fn restore_energy(picture: &mut Image, halves: &[Image; 2], kernel: &GuidedK
     let lacking = |pixel| lacking(from_fn(|plane| planes[plane][pixel]), settings.limit);
     let lacking: Vec<[f32; 3]> = (0..picture.pixels()).into_par_iter().map(lacking).collect();
     for (c, plane) in picture.channels_mut().iter_mut().enumerate() {
-        plane.iter_mut().zip(&lacking).for_each(|(value, lacking)| *value *= 1.0 + lacking[c]);
+        plane.par_iter_mut().zip(&lacking).for_each(|(value, lacking)| *value *= 1.0 + lacking[c]);
     }
 }
 

@@ -1,5 +1,6 @@
 //! The second regression, guided by a pilot picture.
 
+use rayon::prelude::*;
 use stack::{Cancelled, Image, Monitor};
 
 use super::given::Given;
@@ -8,6 +9,7 @@ use super::settings::FitSettings;
 use crate::box_filter::box_mean;
 use crate::collaborative::{Fitted, Guides, Kernel, Ridge, collaborate, units};
 use crate::patch_distance::Comparison;
+use crate::per_pixel::plane;
 
 /// Bandwidths of the candidates that are as wide as their window; where only a few are made, all but the last.
 const BANDWIDTHS: [f32; 3] = [0.7, 1.5, 3.0];
@@ -90,11 +92,7 @@ pub fn second_pass(
 /// samples.
 fn importance(pilot: &Image, samples: Option<&[f32]>, relative: bool) -> Vec<f32> {
     let of_brightness = |m: f32| if relative { 1.0 / (m * m + 1e-3) } else { 1.0 };
-    luminance(pilot)
-        .into_iter()
-        .enumerate()
-        .map(|(pixel, m)| of_brightness(m) * samples.map_or(1.0, |samples| samples[pixel]))
-        .collect()
+    plane(pilot.pixels(), |pixel| of_brightness(pilot.mean_at(pixel)) * samples.map_or(1.0, |samples| samples[pixel]))
 }
 
 /// τ, the squared difference in the pilot that is tolerated: (A − B)²/4 of the first pass smoothed twice over 5×5
@@ -106,9 +104,9 @@ fn tolerated(pilot: &Image, first: &[Image; 2], tolerance: f32) -> Vec<Vec<f32>>
     a.iter()
         .zip(b)
         .map(|(a, b)| {
-            let spread: Vec<f32> = a.iter().zip(b).map(|(a, b)| 0.25 * (a - b) * (a - b)).collect();
+            let spread = plane(size.pixels(), |pixel| 0.25 * (a[pixel] - b[pixel]) * (a[pixel] - b[pixel]));
             let mut smooth = box_mean(&box_mean(&spread, size, 2), size, 2);
-            smooth.iter_mut().zip(&pilot).for_each(|(s, m)| *s += tolerance * (m * m + 1e-3));
+            smooth.par_iter_mut().zip(&pilot).for_each(|(s, m)| *s += tolerance * (m * m + 1e-3));
             smooth
         })
         .collect()

@@ -10,10 +10,11 @@ use stack::{Cancelled, Image, Monitor, Size};
 use super::cascade::{Parts, add_significant_residual, relative_to};
 use super::features::GuideFeatures;
 use super::guided_kernel::GuidedKernel;
-use super::halves::{luminance, sum_of};
+use super::halves::sum_of;
 use super::settings::{CascadeSettings, SpreadSettings};
 use super::split::Events;
 use crate::exp::exp_of_negative;
+use crate::per_pixel::plane;
 use crate::rectangle::{Rectangle, tiles_of};
 use occurrences::{Occurrence, Occurrences};
 
@@ -39,10 +40,10 @@ pub struct Spread {
 /// Brighter pixels take more of it, for there it may have met with more.
 pub fn spread(events: &Events, picture: &Image, features: &GuideFeatures, settings: &SpreadSettings) -> Spread {
     let size = picture.size();
-    let brightness: Vec<f32> = luminance(picture).into_iter().map(finite_in_the_dark).collect();
+    let brightness = plane(size.pixels(), |pixel| finite_in_the_dark(picture.mean_at(pixel)));
     let guides = guides(&brightness, features, settings);
     let occurrences = Occurrences::new(events, &guides, size, settings.events);
-    let shares: Vec<f32> = brightness.iter().map(|l| l.powf(settings.share)).collect();
+    let shares = plane(size.pixels(), |pixel| brightness[pixel].powf(settings.share));
     let task =
         |tile: &Rectangle| TileTask { size, guides: &guides, shares: &shares, occurrences: &occurrences, tile: *tile };
     let parts: Vec<(Rectangle, Vec<Vec<f32>>)> =
@@ -92,9 +93,10 @@ pub fn steadied(
 /// What separates pixels, scaled so that their likeness is exp(−Σ Δ²).
 fn guides(brightness: &[f32], features: &GuideFeatures, settings: &SpreadSettings) -> Vec<Vec<f32>> {
     let scale = std::f32::consts::FRAC_1_SQRT_2 / settings.feature_scale;
-    let scaled = |plane: &[f32]| plane.iter().map(|v| scale * v).collect();
+    let pixels = brightness.len();
+    let scaled = |values: &[f32]| plane(pixels, |pixel| scale * values[pixel]);
     let mut planes: Vec<Vec<f32>> = features.surfaces().map(scaled).collect();
-    planes.push(brightness.iter().map(|l| scale * settings.brightness * l.ln()).collect());
+    planes.push(plane(pixels, |pixel| scale * settings.brightness * brightness[pixel].ln()));
     planes
 }
 

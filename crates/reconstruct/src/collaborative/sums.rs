@@ -1,6 +1,7 @@
 //! Predictions added up by weight.
 
 use pulp::Simd;
+use rayon::prelude::*;
 use stack::Size;
 
 use crate::eight::{Eight, LANES, Lanes};
@@ -63,7 +64,7 @@ impl Sums {
         let weights = self.planes.pop().unwrap_or_default();
         for plane in &mut self.planes {
             plane.truncate(self.size.pixels());
-            plane.iter_mut().zip(&weights).for_each(|(sum, weight)| *sum /= weight.max(1e-20));
+            plane.par_iter_mut().zip(&weights).for_each(|(sum, weight)| *sum /= weight.max(1e-20));
         }
         self.planes
     }

@@ -4,6 +4,7 @@ use stack::{Feature, FeatureRole, Image, Noise, SampleCounts};
 
 use super::VarianceSource;
 use crate::box_filter::fill_unknown;
+use crate::per_pixel::plane;
 use crate::variance::half_variance;
 
 /// Distances from here on mean that nothing was hit: some renderers write 10¹⁰ or more there.
@@ -66,7 +67,7 @@ pub fn normalised(feature: &Feature, counts: &SampleCounts, source: VarianceSour
     let map = Normalisation::of(feature);
     let mean = &feature.estimate.mean;
     let planes = mean.channels().iter().enumerate().map(|(c, channel)| {
-        let mut plane: Vec<f32> = channel.iter().map(|v| map.apply(c, *v)).collect();
+        let mut plane = plane(channel.len(), |pixel| map.apply(c, channel[pixel]));
         fill_unknown(&mut plane, mean.size());
         plane.iter_mut().filter(|v| v.is_nan()).for_each(|v| *v = 0.0);
         plane

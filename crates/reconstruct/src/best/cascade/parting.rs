@@ -4,7 +4,7 @@ use stack::Image;
 
 use crate::best::settings::CascadeSettings;
 use crate::eight::{LANES, Lanes};
-use crate::per_pixel::{ByEight, Pixels};
+use crate::per_pixel::{ByEight, Pixels, plane};
 
 /// Most parts that a picture comes in.
 pub const MOST_PARTS: usize = 8;
@@ -136,10 +136,8 @@ fn sums_of_others(parts: &OfParts) -> OfParts {
 
 /// One over the squared luminance of a picture.
 pub fn relative_to(brightness: &Image) -> Vec<f32> {
-    (0..brightness.pixels())
-        .map(|pixel| {
-            let luminance = brightness.mean_at(pixel);
-            1.0 / (luminance * luminance + 1e-2)
-        })
-        .collect()
+    plane(brightness.pixels(), |pixel| {
+        let luminance = brightness.mean_at(pixel);
+        1.0 / (luminance * luminance + 1e-2)
+    })
 }
