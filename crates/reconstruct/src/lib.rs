@@ -15,6 +15,7 @@ mod components;
 mod eight;
 mod emission;
 pub mod exp;
+mod exposure;
 pub mod guide;
 mod indirect;
 pub mod ln;

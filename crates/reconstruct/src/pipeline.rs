@@ -8,6 +8,7 @@ use crate::best::{Chooser, Extras, GuideFeatures, Workshop};
 use crate::completion::{Completed, complete};
 use crate::components::{is_lit, sum_of_components, variance_of};
 use crate::emission::{rebuild_emission, with_emission_apart};
+use crate::exposure::{Exposed, exposure};
 use crate::indirect::{direct_share_of_noise, is_part_of, parts};
 use crate::method::Method;
 use crate::network::WeightsError;
@@ -107,16 +108,19 @@ fn freeing(
     let mut components = std::mem::take(&mut stack.components);
     let mut indirect = stack.indirect.take();
     let chooser = chooser(settings)?;
-    let task = Collaborative::new(stack, &features, settings, chooser.as_ref(), extras)?;
+    let exposure = exposure(&components, &settings.best.light);
+    let passes = exposed_passes(extras.passes, exposure);
+    let task = Collaborative::new(stack, &features, settings, chooser.as_ref(), Extras { passes: &passes, ..extras })?;
     let mut sum = Reconstruction::plain(Image::zeros(stack.size(), 3));
     // The last first: emission is soon done with.
     while let Some(component) = components.pop() {
         if is_lit(&component) {
             let indirect = if component.role == ComponentRole::Scattered { indirect.take() } else { None };
-            sum.add(task.rebuilt(Cow::Owned(component), indirect.map(Cow::Owned), monitor)?);
+            let indirect = indirect.map(|indirect| Cow::Owned(indirect.exposed(exposure)));
+            sum.add(task.rebuilt(Cow::Owned(component.exposed(exposure)), indirect, monitor)?);
         }
     }
-    Ok(sum)
+    Ok(sum.exposed(1.0 / exposure))
 }
 
 /// The paper's method.
@@ -148,11 +152,25 @@ fn collaborative(
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
     let features = best::guide_features(stack, &settings.best.features, monitor)?;
-    let task = Collaborative::new(stack, &features, settings, chooser, extras)?;
-    sum_of_components(stack.size(), &stack.components, |component| {
+    let exposure = exposure(&stack.components, &settings.best.light);
+    let passes = exposed_passes(extras.passes, exposure);
+    let task = Collaborative::new(stack, &features, settings, chooser, Extras { passes: &passes, ..extras })?;
+    let sum = sum_of_components(stack.size(), &stack.components, |component| {
         let indirect = stack.indirect.as_ref().filter(|_| component.role == ComponentRole::Scattered);
-        task.rebuilt(Cow::Borrowed(component), indirect.map(Cow::Borrowed), monitor)
-    })
+        if exposure == 1.0 {
+            return task.rebuilt(Cow::Borrowed(component), indirect.map(Cow::Borrowed), monitor);
+        }
+        let indirect = indirect.map(|indirect| Cow::Owned(indirect.clone().exposed(exposure)));
+        task.rebuilt(Cow::Owned(component.clone().exposed(exposure)), indirect, monitor)
+    })?;
+    Ok(sum.exposed(1.0 / exposure))
+}
+
+fn exposed_passes(passes: &[Image], exposure: f32) -> Cow<'_, [Image]> {
+    match exposure {
+        1.0 => Cow::Borrowed(passes),
+        _ => Cow::Owned(passes.iter().map(|pass| pass.clone().exposed(exposure)).collect()),
+    }
 }
 
 /// What the network says that comes along, where it is asked.

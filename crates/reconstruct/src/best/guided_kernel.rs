@@ -10,7 +10,7 @@ use stack::{Image, Size};
 use super::features::GuideFeatures;
 use super::light_guide::logarithm;
 use crate::per_pixel::plane;
-use taps::Guides;
+use taps::Separation;
 pub use taps::Taps;
 
 /// Planes whose differences separate pixels: a weight is exp(−Σ Δ²/(2 s²)) with the scale s. Features are borrowed:
@@ -52,7 +52,7 @@ impl<'a> GuidedKernel<'a> {
     pub fn taps(&self, step: usize) -> Taps {
         let brightness = self.brightness.iter().map(Vec::as_slice);
         let planes = self.surfaces.iter().copied().chain(brightness).collect();
-        Taps::weighed(self.size, &Guides { planes, per_square: 0.5 / (self.scale * self.scale) }, step)
+        Taps::weighed(self.size, &Separation { planes, per_square: 0.5 / (self.scale * self.scale) }, step)
     }
 }
 

@@ -22,9 +22,14 @@ stack::knobs! {
 }
 
 stack::knobs! {
-    /// Which parts of the light are rebuilt apart.
+    /// What light is rebuilt as.
     pub struct LightSettings("light") {
-        /// Whether direct and indirect light are, where a stack keeps them apart: their borders lie elsewhere. It takes
+        /// Brightness, in the geometric mean over blocks of pixels, below which light is made brighter before it is rebuilt
+        /// and darker again at the end: constants that matter in the dark are made for usual units. 0 leaves it.
+        darkest: f32 = 0.03, 0.0..=1000.0;
+        /// Brightness above which light is made darker before it is rebuilt.
+        brightest: f32 = 0.3, 1e-9..=1e30;
+        /// Whether direct and indirect light are rebuilt apart, where a stack keeps them apart: their borders lie elsewhere. It takes
         /// up to twice the time.
         apart: bool = true, ..;
         /// Weight of a difference in the logarithm of the rebuilt direct light against one in features, where indirect
@@ -186,7 +191,7 @@ stack::knobs! {
 stack::knob_groups! {
     /// Settings of all its steps.
     pub struct BestSettings {
-        /// Parts of the light.
+        /// Exposure and parts of the light.
         light: LightSettings,
         /// Low layer and events.
         split: SplitSettings,

@@ -30,7 +30,7 @@ pub struct Taps {
 }
 
 /// What separates pixels.
-pub struct Guides<'a> {
+pub struct Separation<'a> {
     /// Planes of the picture's size.
     pub planes: Vec<&'a [f32]>,
     /// A weight is exp(−`per_square` Σ Δ²).
@@ -38,11 +38,11 @@ pub struct Guides<'a> {
 }
 
 impl Taps {
-    /// Taps `step` pixels apart in a picture of `size` whose pixels the `guides` separate.
-    pub fn weighed(size: Size, guides: &Guides, step: usize) -> Self {
+    /// Taps `step` pixels apart in a picture of `size` whose pixels are told apart by `separation`.
+    pub fn weighed(size: Size, separation: &Separation, step: usize) -> Self {
         let mut weights = vec![vec![0.0; size.pixels()]; MIDDLE];
         for_each_row(&mut weights, size.width, |y, weights| {
-            pulp::Arch::new().dispatch(WeightTask { size, guides, step, y, weights });
+            pulp::Arch::new().dispatch(WeightTask { size, separation, step, y, weights });
         });
         Self { size, step, weights }
     }
@@ -85,7 +85,7 @@ pub fn for_each_row(planes: &mut [Vec<f32>], width: usize, work: impl Fn(usize, 
 /// Weights of one row.
 struct WeightTask<'a> {
     size: Size,
-    guides: &'a Guides<'a>,
+    separation: &'a Separation<'a>,
     step: usize,
     y: usize,
     /// The row, once for each tap behind the middle.
@@ -97,7 +97,7 @@ impl WithSimd for WeightTask<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { size, guides, step, y, mut weights } = self;
+        let Self { size, separation, step, y, mut weights } = self;
         for first in (0..size.width).step_by(PIXELS) {
             let all = first..(first + PIXELS).min(size.width);
             for (behind, weights) in weights.iter_mut().enumerate() {
@@ -112,9 +112,9 @@ impl WithSimd for WeightTask<'_> {
                 let here = size.index(inside.start, y);
                 let there = size.index(inside.start + right - left, row);
                 let weights = &mut weights[inside];
-                squares(simd, &guides.planes, here, there, weights);
+                squares(simd, &separation.planes, here, there, weights);
                 let spline = SPLINE[down] * SPLINE[across];
-                weights.iter_mut().for_each(|w| *w = spline * exp_of_negative(-guides.per_square * *w));
+                weights.iter_mut().for_each(|w| *w = spline * exp_of_negative(-separation.per_square * *w));
             }
         }
     }
@@ -122,24 +122,24 @@ impl WithSimd for WeightTask<'_> {
 
 /// Σ Δ² between consecutive pixels from number `here` on and those from `there` on.
 #[inline(always)]
-fn squares<S: Simd>(simd: S, guides: &[&[f32]], here: usize, there: usize, out: &mut [f32]) {
+fn squares<S: Simd>(simd: S, planes: &[&[f32]], here: usize, there: usize, out: &mut [f32]) {
     let mut at = 0;
     while at + BATCHES * LANES <= out.len() {
-        squares_of::<S, BATCHES>(simd, guides, here + at, there + at, &mut out[at..][..BATCHES * LANES]);
+        squares_of::<S, BATCHES>(simd, planes, here + at, there + at, &mut out[at..][..BATCHES * LANES]);
         at += BATCHES * LANES;
     }
     for at in (at..out.len()).step_by(LANES) {
         let count = LANES.min(out.len() - at);
-        squares_of::<S, 1>(simd, guides, here + at, there + at, &mut out[at..][..count]);
+        squares_of::<S, 1>(simd, planes, here + at, there + at, &mut out[at..][..count]);
     }
 }
 
 /// The same of `B` times eight pixels, or fewer if `B` is one.
 #[inline(always)]
-fn squares_of<S: Simd, const B: usize>(simd: S, guides: &[&[f32]], here: usize, there: usize, out: &mut [f32]) {
+fn squares_of<S: Simd, const B: usize>(simd: S, planes: &[&[f32]], here: usize, there: usize, out: &mut [f32]) {
     let (count, mut sums) = (out.len(), [Eight::splat(simd, 0.0); B]);
-    for guide in guides {
-        let (p, q) = (&guide[here..][..count], &guide[there..][..count]);
+    for plane in planes {
+        let (p, q) = (&plane[here..][..count], &plane[there..][..count]);
         for b in 0..B {
             let here = Eight::load_some(simd, &p[b * LANES..]);
             let difference = here.sub(simd, Eight::load_some(simd, &q[b * LANES..]));

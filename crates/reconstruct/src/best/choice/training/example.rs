@@ -11,6 +11,7 @@ use crate::best::choice::inputs::{Block, Inputs, LANES};
 use crate::best::piloted::Piloted;
 use crate::best::settings::BestSettings;
 use crate::best::{Extras, GuideFeatures, Workshop, guide_features, with_direct_light};
+use crate::exposure::{Exposed, exposure};
 use crate::network::Numbers;
 use crate::reconstruction::ReconstructError;
 
@@ -56,6 +57,9 @@ impl Example {
         monitor: &dyn Monitor,
     ) -> Result<Vec<Self>, ReconstructError> {
         settings.check_candidates()?;
+        let exposure = exposure(&stack.components, &settings.light);
+        let stack = &stack.clone().exposed(exposure);
+        let references = &references.clone().map(|reference| reference.exposed(exposure));
         let features = guide_features(stack, &settings.features, monitor)?;
         let whole = whole_light(stack, references)?;
         let parts = parts_of(&whole, stack, references);
