@@ -20,6 +20,11 @@ pub struct Parts {
 }
 
 impl Parts {
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.images.len()
+    }
+
     /// `images` as they come from [`stack::Estimate::groups`].
     pub fn new(images: Vec<Image>, counts: &SampleCounts) -> Self {
         let pixels = images.first().map_or(0, Image::pixels);
@@ -40,9 +45,30 @@ impl Parts {
     }
 }
 
+/// How closely details are looked at.
+#[derive(Clone, Copy, Debug)]
+pub struct Scrutiny {
+    /// Scales, each twice as coarse as the one before.
+    pub levels: usize,
+    /// How many of them, the finest, count in full.
+    pub trusted: usize,
+    /// Multiple of a detail's variance that its square must exceed.
+    pub significance: f32,
+    /// Multiple of the share of signal in it that a detail counts by, at most in full.
+    pub gain: f32,
+}
+
+impl CascadeSettings {
+    /// How details of so many `parts` are looked at.
+    pub fn scrutiny(&self, parts: usize) -> Scrutiny {
+        let significance = if parts > 2 { self.significance } else { self.significance_of_two };
+        Scrutiny { levels: self.levels, trusted: 0, significance, gain: 1.0 }
+    }
+}
+
 /// Adds to `picture` what `parts` agree on and it lacks: the residual of each part, taken apart by `kernel` into
-/// details of growing scale. A detail of luminance d counts by E\[s\]/E\[d²\]; s = d² − c v is its signal, v its variance
-/// between parts and c the significance; colours count as much. Squares are multiplied by `relative`. Of more than two parts
+/// details of growing scale. A detail of luminance d counts by E\[s\]/E\[d²\], times the gain; s = d² − c v is its signal, v
+/// its variance between parts and c the significance; colours count as much. Squares are multiplied by `relative`. Of more than two parts
 /// each is left out once, and the least signal counts: a firefly, which is in one part, is none. Both are smoothed at the
 /// detail's own scale and the next two. What is left at the coarsest scale counts in full. Never below zero. Reports the stage
 /// `cascade`.
@@ -54,29 +80,35 @@ pub fn add_significant_residual(
     parts: Parts,
     relative: Vec<f32>,
     kernel: &GuidedKernel,
-    settings: &CascadeSettings,
+    scrutiny: Scrutiny,
     monitor: &dyn Monitor,
 ) -> Result<(), Cancelled> {
-    monitor.begin("cascade", settings.levels as u64);
+    monitor.begin("cascade", scrutiny.levels as u64);
     let Parts { images, shares } = parts;
     let mut residual = residuals(images, &shares, picture);
-    let parting = Parting::new(shares, relative, settings);
+    let parting = Parting::new(shares, relative, scrutiny.significance);
     let mut found = vec![vec![0.0; picture.pixels()]; 3];
     let (mut taps, mut next) = (kernel.taps(1), kernel.taps(2));
-    for level in 0..settings.levels {
+    for level in 0..scrutiny.levels {
         if monitor.cancelled() {
             return Err(Cancelled);
         }
         let coarse = taps.smooth(&residual);
-        let mut detail = Detail::new(&parting, &residual, &coarse);
-        residual = coarse;
-        detail.smooth(&taps);
         // Weighed once for three levels, and never more than two at a time: taps take more memory than anything else.
-        taps = next;
-        detail.smooth(&taps);
-        next = kernel.taps(4 << level);
-        detail.smooth(&next);
-        detail.add_significant(&mut found);
+        if level < scrutiny.trusted {
+            add_difference(&mut found, &residual[parting.parts()..], &coarse[parting.parts()..]);
+            taps = next;
+            next = kernel.taps(4 << level);
+        } else {
+            let mut detail = Detail::new(&parting, &residual, &coarse);
+            detail.smooth(&taps);
+            taps = next;
+            detail.smooth(&taps);
+            next = kernel.taps(4 << level);
+            detail.smooth(&next);
+            detail.add_significant(scrutiny.gain, &mut found);
+        }
+        residual = coarse;
         monitor.advance(1);
     }
     let rest = &residual[parting.parts()..];
@@ -84,6 +116,13 @@ pub fn add_significant_residual(
         plane.iter_mut().zip(found.iter().zip(rest)).for_each(|(v, (found, rest))| *v = (*v + found + rest).max(0.0));
     });
     Ok(())
+}
+
+/// Adds to `found` what `fine` has beyond `coarse`.
+fn add_difference(found: &mut [Vec<f32>], fine: &[Vec<f32>], coarse: &[Vec<f32>]) {
+    found.par_iter_mut().zip(fine.par_iter().zip(coarse)).for_each(|(found, (fine, coarse))| {
+        found.iter_mut().zip(fine.iter().zip(coarse)).for_each(|(found, (fine, coarse))| *found += fine - coarse);
+    });
 }
 
 /// The share of each group in the mean of every pixel.
@@ -141,15 +180,15 @@ impl Detail {
     }
 
     /// Adds its significant part to `found`.
-    fn add_significant(self, found: &mut [Vec<f32>]) {
+    fn add_significant(self, gain: f32, found: &mut [Vec<f32>]) {
         let Self { mean, square, signals } = self;
-        let gain = |i: usize| {
+        let share = |i: usize| {
             let signal = signals.iter().map(|signal| signal[i]).fold(f32::INFINITY, f32::min);
-            (signal / (square[i] + 1e-20)).clamp(0.0, 1.0)
+            (gain * (signal / (square[i] + 1e-20))).clamp(0.0, 1.0)
         };
-        let gains: Vec<f32> = (0..square.len()).into_par_iter().map(gain).collect();
+        let shares: Vec<f32> = (0..square.len()).into_par_iter().map(share).collect();
         found.par_iter_mut().zip(&mean).for_each(|(found, mean)| {
-            found.iter_mut().zip(mean).zip(&gains).for_each(|((found, mean), gain)| *found += gain * mean);
+            found.iter_mut().zip(mean).zip(&shares).for_each(|((found, mean), share)| *found += share * mean);
         });
     }
 }

@@ -81,7 +81,8 @@ impl<'a> Piloted<'a> {
         if let Some(parts) = parts {
             let kernel = GuidedKernel::surfaces(surfaces, settings.cascade.feature_scale);
             let relative = relative_to(&pilot);
-            add_significant_residual(&mut pilot, parts, relative, &kernel, &settings.cascade, monitor)?;
+            let scrutiny = settings.cascade.scrutiny(parts.count());
+            add_significant_residual(&mut pilot, parts, relative, &kernel, scrutiny, monitor)?;
         }
         let (features, event_variance) = (Cow::Borrowed(features), events.variance);
         Ok(Self { features, coloured, layers, noise, samples, spread, event_variance, pilot, first, passes })

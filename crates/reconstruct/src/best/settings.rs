@@ -144,6 +144,26 @@ stack::knobs! {
 }
 
 stack::knobs! {
+    /// How clouds of noise, wider than any window, are told from light.
+    pub struct CloudSettings("clouds") {
+        /// Scales, each twice as coarse as the one before, on which differences are kept only where both halves of the
+        /// picture show them; 0 keeps all.
+        levels: usize = 5, 0..=10;
+        /// How many of them, the finest, are kept all the same.
+        trusted: usize = 2, 0..=10;
+        /// Multiple of a difference's variance that its square must exceed.
+        significance: f32 = 1.5, 0.0..=1000.0;
+        /// Multiple of the share of signal in it that a difference counts by, at most in full: where most of it is
+        /// signal, nothing is lost.
+        gain: f32 = 2.0, 0.0..=1000.0;
+        /// Scale of the differences between features that separate surfaces.
+        feature_scale: f32 = 0.3, 0.01..=10.0;
+        /// Weight of a squared difference in the logarithm of the picture against one in features.
+        brightness: f32 = 0.3, 0.0..=100.0;
+    }
+}
+
+stack::knobs! {
     /// How far light that the regressions lost is given back.
     pub struct RestoreSettings("restore") {
         /// Widenings of the kernel, each by a factor of two; 0 gives nothing back.
@@ -205,6 +225,8 @@ stack::knob_groups! {
         spread: SpreadSettings,
         /// Residual.
         cascade: CascadeSettings,
+        /// Clouds.
+        clouds: CloudSettings,
         /// Energy.
         restore: RestoreSettings,
         /// Candidates.
@@ -245,6 +267,7 @@ impl BestSettings {
             regression,
             spread: SpreadSettings { levels: 0, ..self.spread },
             cascade: CascadeSettings { levels: 4, parts: 2, ..self.cascade },
+            clouds: CloudSettings { levels: 0, ..self.clouds },
             choice: ChoiceSettings { learned: false, ..self.choice },
             ..self
         }

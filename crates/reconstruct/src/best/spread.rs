@@ -7,11 +7,11 @@ use std::ops::Range;
 use rayon::prelude::*;
 use stack::{Cancelled, Image, Monitor, Size};
 
-use super::cascade::{Parts, add_significant_residual, relative_to};
+use super::cascade::{Parts, Scrutiny, add_significant_residual, relative_to};
 use super::features::GuideFeatures;
 use super::guided_kernel::GuidedKernel;
 use super::halves::sum_of;
-use super::settings::{CascadeSettings, SpreadSettings};
+use super::settings::SpreadSettings;
 use super::split::Events;
 use crate::exp::exp_of_negative;
 use crate::per_pixel::plane;
@@ -84,9 +84,8 @@ pub fn steadied(
     let SpreadSettings { levels, significance, feature_scale, .. } = *settings;
     let kernel = GuidedKernel::surfaces_and_brightness(features, picture, feature_scale, settings.brightness.powi(2));
     let mut steady = Image::zeros(picture.size(), 3);
-    let cascade =
-        CascadeSettings { significance_of_two: significance, levels, feature_scale, ..CascadeSettings::default() };
-    add_significant_residual(&mut steady, Parts::adding_up(halves), relative, &kernel, &cascade, monitor)?;
+    let scrutiny = Scrutiny { levels, trusted: 0, significance, gain: 1.0 };
+    add_significant_residual(&mut steady, Parts::adding_up(halves), relative, &kernel, scrutiny, monitor)?;
     Ok(steady)
 }
 

@@ -5,10 +5,11 @@ use std::borrow::Cow;
 use stack::{Cancelled, Component, FeatureStack, Image, Monitor};
 
 use super::choice::{self, Chooser, mixtures};
+use super::clouds::without_clouds;
 use super::error;
 use super::features::GuideFeatures;
 use super::guided_kernel::GuidedKernel;
-use super::halves::{mean_of, sum_of};
+use super::halves::sum_of;
 use super::passes::add_up_to;
 use super::piloted::Piloted;
 use super::restore::restore_energy;
@@ -64,8 +65,8 @@ impl Workshop<'_> {
         let (stack, features, passes) = (self.stack, self.features, self.extras.passes);
         let piloted = Piloted::new(stack, component, features, self.beside, settings, passes, monitor)?;
         let (halves, passes) = self.second_half(&piloted, monitor)?;
-        let mut picture = mean_of(&halves);
         let surfaces = piloted.surfaces();
+        let mut picture = without_clouds(&halves, surfaces, &settings.clouds, monitor)?;
         if settings.restore.levels > 0 {
             let RestoreSettings { feature_scale, brightness, .. } = settings.restore;
             let kernel = GuidedKernel::surfaces_and_brightness(surfaces, &picture, feature_scale, brightness);

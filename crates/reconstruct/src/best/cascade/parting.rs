@@ -2,7 +2,6 @@
 
 use stack::Image;
 
-use crate::best::settings::CascadeSettings;
 use crate::eight::{LANES, Lanes};
 use crate::per_pixel::{ByEight, Pixels, plane};
 
@@ -23,8 +22,7 @@ pub struct Parting {
 
 impl Parting {
     /// Parts with these `shares`; squares are multiplied by `relative`.
-    pub fn new(shares: Vec<Vec<f32>>, relative: Vec<f32>, settings: &CascadeSettings) -> Self {
-        let significance = if shares.len() > 2 { settings.significance } else { settings.significance_of_two };
+    pub fn new(shares: Vec<Vec<f32>>, relative: Vec<f32>, significance: f32) -> Self {
         Self { shares, relative, significance }
     }
 

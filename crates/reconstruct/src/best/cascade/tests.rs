@@ -27,7 +27,8 @@ fn added_parts(picture: &Image, parts: Parts, settings: &CascadeSettings) -> Ima
     let features = two_halves(SIZE);
     let kernel = GuidedKernel::surfaces(&features, settings.feature_scale);
     let mut added = picture.clone();
-    add_significant_residual(&mut added, parts, relative_to(picture), &kernel, settings, &Silent).unwrap();
+    let scrutiny = settings.scrutiny(parts.count());
+    add_significant_residual(&mut added, parts, relative_to(picture), &kernel, scrutiny, &Silent).unwrap();
     added
 }
 
@@ -104,7 +105,7 @@ fn parts_that_add_up_are_their_sum() {
         parts,
         relative_to(&flat(SIZE, 1.0)),
         &kernel,
-        &CascadeSettings::default(),
+        CascadeSettings::default().scrutiny(2),
         &Silent,
     )
     .unwrap();
