@@ -5,7 +5,7 @@ mod parting;
 use rayon::prelude::*;
 use stack::{Cancelled, Image, Monitor, SampleCounts};
 
-use super::guided_kernel::{GuidedKernel, Taps};
+use super::guided_kernel::Taps;
 use super::halves::luminance;
 use super::settings::CascadeSettings;
 use crate::per_pixel::planes_by_eight;
@@ -66,7 +66,7 @@ impl CascadeSettings {
     }
 }
 
-/// Adds to `picture` what `parts` agree on and it lacks: the residual of each part, taken apart by `kernel` into
+/// Adds to `picture` what `parts` agree on and it lacks: the residual of each part, taken apart by a kernel into
 /// details of growing scale. A detail of luminance d counts by E\[s\]/E\[d²\], times the gain; s = d² − c v is its signal, v
 /// its variance between parts and c the significance; colours count as much. Squares are multiplied by `relative`. Of more than two parts
 /// each is left out once, and the least signal counts: a firefly, which is in one part, is none. Both are smoothed at the
@@ -79,7 +79,7 @@ pub fn add_significant_residual(
     picture: &mut Image,
     parts: Parts,
     relative: Vec<f32>,
-    kernel: &GuidedKernel,
+    mut taps_of: impl FnMut(usize) -> Taps,
     scrutiny: Scrutiny,
     monitor: &dyn Monitor,
 ) -> Result<(), Cancelled> {
@@ -88,7 +88,7 @@ pub fn add_significant_residual(
     let mut residual = residuals(images, &shares, picture);
     let parting = Parting::new(shares, relative, scrutiny.significance);
     let mut found = vec![vec![0.0; picture.pixels()]; 3];
-    let (mut taps, mut next) = (kernel.taps(1), kernel.taps(2));
+    let (mut taps, mut next) = (taps_of(1), taps_of(2));
     for level in 0..scrutiny.levels {
         if monitor.cancelled() {
             return Err(Cancelled);
@@ -98,13 +98,13 @@ pub fn add_significant_residual(
         if level < scrutiny.trusted {
             add_difference(&mut found, &residual[parting.parts()..], &coarse[parting.parts()..]);
             taps = next;
-            next = kernel.taps(4 << level);
+            next = taps_of(4 << level);
         } else {
             let mut detail = Detail::new(&parting, &residual, &coarse);
             detail.smooth(&taps);
             taps = next;
             detail.smooth(&taps);
-            next = kernel.taps(4 << level);
+            next = taps_of(4 << level);
             detail.smooth(&next);
             detail.add_significant(scrutiny.gain, &mut found);
         }

@@ -3,38 +3,29 @@
 use stack::{Cancelled, Image, Monitor};
 
 use super::cascade::{Parts, Scrutiny, add_significant_residual, relative_to};
-use super::features::GuideFeatures;
-use super::guided_kernel::GuidedKernel;
-use super::halves::mean_of;
+use super::guided_kernel::Taps;
 use super::settings::CloudSettings;
 
-/// The mean of both `halves` of a picture without wide differences that only one of them shows. Reports the stage
-/// `cascade`.
+/// The `mean` of both `halves` of a picture without wide differences that only one of them shows; `taps` are those of a
+/// kernel, so many pixels apart. Reports the stage `cascade`.
 ///
 /// # Errors
 /// When `monitor` cancels.
 pub fn without_clouds(
+    mean: Image,
     halves: &[Image; 2],
-    features: &GuideFeatures,
+    taps: impl FnMut(usize) -> Taps,
     settings: &CloudSettings,
     monitor: &dyn Monitor,
 ) -> Result<Image, Cancelled> {
-    let mean = mean_of(halves);
-    let CloudSettings { levels, trusted, significance, gain, feature_scale, brightness } = *settings;
+    let CloudSettings { levels, trusted, significance, gain } = *settings;
     if levels == 0 {
         return Ok(mean);
     }
-    let kernel = GuidedKernel::surfaces_and_brightness(features, &mean, feature_scale, brightness);
     let scrutiny = Scrutiny { levels, trusted, significance, gain };
-    let mut clear = Image::zeros(mean.size(), 3);
-    add_significant_residual(
-        &mut clear,
-        Parts::halves(halves.clone()),
-        relative_to(&mean),
-        &kernel,
-        scrutiny,
-        monitor,
-    )?;
+    let (mut clear, relative) = (Image::zeros(mean.size(), 3), relative_to(&mean));
+    drop(mean);
+    add_significant_residual(&mut clear, Parts::halves(halves.clone()), relative, taps, scrutiny, monitor)?;
     Ok(clear)
 }
 
@@ -42,6 +33,8 @@ pub fn without_clouds(
 mod tests {
     use stack::{Silent, Size};
 
+    use super::super::guided_kernel::GuidedKernel;
+    use super::super::halves::mean_of;
     use super::super::test_scene::{error, flat, image, two_halves};
     use super::*;
     use crate::box_filter::box_mean;
@@ -56,10 +49,16 @@ mod tests {
         image(SIZE, |x, y, c| clean.rgb(SIZE.index(x, y))[c] + wide[SIZE.index(x, y)])
     }
 
+    fn clear(halves: &[Image; 2], settings: &CloudSettings) -> Image {
+        let (features, mean) = (two_halves(SIZE), mean_of(halves));
+        let kernel = GuidedKernel::surfaces_and_brightness(&features, &mean, 0.3, 0.3);
+        without_clouds(mean.clone(), halves, |step| kernel.taps(step), settings, &Silent).unwrap()
+    }
+
     fn errors(clean: &Image) -> [f32; 2] {
         let mut noise = TestNoise(31);
         let halves = [(); 2].map(|()| cloudy(clean, 0.05, &mut noise));
-        let clear = without_clouds(&halves, &two_halves(SIZE), &CloudSettings::default(), &Silent).unwrap();
+        let clear = clear(&halves, &CloudSettings::default());
         [error(&mean_of(&halves), clean), error(&clear, clean)]
     }
 
@@ -80,6 +79,6 @@ mod tests {
     fn without_levels_nothing_changes() {
         let halves = [flat(SIZE, 1.0), image(SIZE, |x, _, _| x as f32)];
         let off = CloudSettings { levels: 0, ..CloudSettings::default() };
-        assert_eq!(without_clouds(&halves, &two_halves(SIZE), &off, &Silent).unwrap(), mean_of(&halves));
+        assert_eq!(clear(&halves, &off), mean_of(&halves));
     }
 }

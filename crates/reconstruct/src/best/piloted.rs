@@ -82,7 +82,7 @@ impl<'a> Piloted<'a> {
             let kernel = GuidedKernel::surfaces(surfaces, settings.cascade.feature_scale);
             let relative = relative_to(&pilot);
             let scrutiny = settings.cascade.scrutiny(parts.count());
-            add_significant_residual(&mut pilot, parts, relative, &kernel, scrutiny, monitor)?;
+            add_significant_residual(&mut pilot, parts, relative, |step| kernel.taps(step), scrutiny, monitor)?;
         }
         let (features, event_variance) = (Cow::Borrowed(features), events.variance);
         Ok(Self { features, coloured, layers, noise, samples, spread, event_variance, pilot, first, passes })

@@ -5,23 +5,54 @@ use std::array::from_fn;
 use rayon::prelude::*;
 use stack::Image;
 
-use super::guided_kernel::GuidedKernel;
+use super::guided_kernel::{GuidedKernel, Taps};
 use super::settings::RestoreSettings;
 
-/// Brings `picture` to the local energy of the noisy `halves` it was made from: fits that weigh residuals by relative error
-/// shade bright pixels. Every value is multiplied by ΣK y / ΣK x over the pixels that `kernel` reaches in some steps, each
-/// twice as wide as the one before, as far as both halves agree on it. A factor, other than a sum, does not let light from
-/// bright pixels into dark ones; agreement and the limit keep it from following noise.
-pub fn restore_energy(picture: &mut Image, halves: &[Image; 2], kernel: &GuidedKernel, settings: &RestoreSettings) {
-    let images = halves.iter().chain([&*picture]);
-    let mut planes: Vec<Vec<f32>> = images.flat_map(|image| image.channels()).cloned().collect();
-    for level in 0..settings.levels {
-        planes = kernel.smooth(&planes, 1 << level);
+/// Light that a picture lacks against the noisy halves it was made from, over pixels ever farther away: fits that weigh
+/// residuals by relative error shade bright pixels.
+pub struct Loss<'a> {
+    kernel: &'a GuidedKernel<'a>,
+    settings: &'a RestoreSettings,
+    /// Both halves and the picture, smoothed so many times, each twice as wide as the one before.
+    planes: Vec<Vec<f32>>,
+    level: usize,
+}
+
+impl<'a> Loss<'a> {
+    /// That of `picture` against `halves`, among pixels that are alike to `kernel`.
+    pub fn new(picture: &Image, halves: &[Image; 2], kernel: &'a GuidedKernel, settings: &'a RestoreSettings) -> Self {
+        let images = halves.iter().chain([picture]).filter(|_| settings.levels > 0);
+        let planes = images.flat_map(|image| image.channels()).cloned().collect();
+        Self { kernel, settings, planes, level: 0 }
     }
-    let lacking = |pixel| lacking(from_fn(|plane| planes[plane][pixel]), settings.limit);
-    let lacking: Vec<[f32; 3]> = (0..picture.pixels()).into_par_iter().map(lacking).collect();
-    for (c, plane) in picture.channels_mut().iter_mut().enumerate() {
-        plane.par_iter_mut().zip(&lacking).for_each(|(value, lacking)| *value *= 1.0 + lacking[c]);
+
+    /// The kernel's taps `step` pixels apart. Weighing them takes longer than smoothing with them: where these are the next
+    /// ones that it needs, it takes a look at them.
+    pub fn taps(&mut self, step: usize) -> Taps {
+        let taps = self.kernel.taps(step);
+        if self.level < self.settings.levels && step == 1 << self.level {
+            self.planes = taps.smooth(&self.planes);
+            self.level += 1;
+        }
+        taps
+    }
+
+    /// Gives `picture` its light back: every value is multiplied by ΣK y / ΣK x, as far as both halves agree on it. A factor,
+    /// other than a sum, does not let light from bright pixels into dark ones; agreement and the limit keep it from following
+    /// noise.
+    pub fn give_back(mut self, picture: &mut Image) {
+        if self.settings.levels == 0 {
+            return;
+        }
+        while self.level < self.settings.levels {
+            self.taps(1 << self.level);
+        }
+        let Self { planes, settings, .. } = self;
+        let lacking = |pixel| lacking(from_fn(|plane| planes[plane][pixel]), settings.limit);
+        let lacking: Vec<[f32; 3]> = (0..picture.pixels()).into_par_iter().map(lacking).collect();
+        for (c, plane) in picture.channels_mut().iter_mut().enumerate() {
+            plane.par_iter_mut().zip(&lacking).for_each(|(value, lacking)| *value *= 1.0 + lacking[c]);
+        }
     }
 }
 
@@ -50,7 +81,8 @@ mod tests {
         let mut restored = picture.clone();
         let features = two_halves(SIZE);
         let kernel = GuidedKernel::surfaces_and_brightness(&features, picture, 0.3, 0.2);
-        restore_energy(&mut restored, halves, &kernel, &RestoreSettings { limit: 1.2, ..RestoreSettings::default() });
+        let settings = RestoreSettings { limit: 1.2, ..RestoreSettings::default() };
+        Loss::new(picture, halves, &kernel, &settings).give_back(&mut restored);
         restored
     }
 

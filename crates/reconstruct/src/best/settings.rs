@@ -156,15 +156,11 @@ stack::knobs! {
         /// Multiple of the share of signal in it that a difference counts by, at most in full: where most of it is
         /// signal, nothing is lost.
         gain: f32 = 2.0, 0.0..=1000.0;
-        /// Scale of the differences between features that separate surfaces.
-        feature_scale: f32 = 0.3, 0.01..=10.0;
-        /// Weight of a squared difference in the logarithm of the picture against one in features.
-        brightness: f32 = 0.3, 0.0..=100.0;
     }
 }
 
 stack::knobs! {
-    /// How far light that the regressions lost is given back.
+    /// How far light that the regressions lost is given back. Clouds are told by the same kernel.
     pub struct RestoreSettings("restore") {
         /// Widenings of the kernel, each by a factor of two; 0 gives nothing back.
         levels: usize = 5, 0..=10;

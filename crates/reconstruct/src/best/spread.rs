@@ -85,7 +85,8 @@ pub fn steadied(
     let kernel = GuidedKernel::surfaces_and_brightness(features, picture, feature_scale, settings.brightness.powi(2));
     let mut steady = Image::zeros(picture.size(), 3);
     let scrutiny = Scrutiny { levels, trusted: 0, significance, gain: 1.0 };
-    add_significant_residual(&mut steady, Parts::adding_up(halves), relative, &kernel, scrutiny, monitor)?;
+    let taps = |step| kernel.taps(step);
+    add_significant_residual(&mut steady, Parts::adding_up(halves), relative, taps, scrutiny, monitor)?;
     Ok(steady)
 }
 

@@ -9,10 +9,10 @@ use super::clouds::without_clouds;
 use super::error;
 use super::features::GuideFeatures;
 use super::guided_kernel::GuidedKernel;
-use super::halves::sum_of;
+use super::halves::{mean_of, sum_of};
 use super::passes::add_up_to;
 use super::piloted::Piloted;
-use super::restore::restore_energy;
+use super::restore::Loss;
 use super::second_pass;
 use super::settings::{BestSettings, ChoiceSettings, RestoreSettings};
 use crate::bands::bands;
@@ -66,12 +66,12 @@ impl Workshop<'_> {
         let piloted = Piloted::new(stack, component, features, self.beside, settings, passes, monitor)?;
         let (halves, passes) = self.second_half(&piloted, monitor)?;
         let surfaces = piloted.surfaces();
-        let mut picture = without_clouds(&halves, surfaces, &settings.clouds, monitor)?;
-        if settings.restore.levels > 0 {
-            let RestoreSettings { feature_scale, brightness, .. } = settings.restore;
-            let kernel = GuidedKernel::surfaces_and_brightness(surfaces, &picture, feature_scale, brightness);
-            restore_energy(&mut picture, &piloted.layers.halves, &kernel, &settings.restore);
-        }
+        let mean = mean_of(&halves);
+        let RestoreSettings { feature_scale, brightness, .. } = settings.restore;
+        let kernel = GuidedKernel::surfaces_and_brightness(surfaces, &mean, feature_scale, brightness);
+        let mut loss = Loss::new(&mean, &piloted.layers.halves, &kernel, &settings.restore);
+        let mut picture = without_clouds(mean, &halves, |step| loss.taps(step), &settings.clouds, monitor)?;
+        loss.give_back(&mut picture);
         picture.add(&piloted.spread);
         picture.channels_mut().iter_mut().flatten().for_each(|v| *v = v.max(0.0));
         let ChoiceSettings { feature_scale, brightness, .. } = settings.choice;

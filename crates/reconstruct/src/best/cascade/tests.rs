@@ -2,6 +2,7 @@
 
 use stack::{Component, Silent, Size};
 
+use super::super::guided_kernel::GuidedKernel;
 use super::super::test_scene::{component, error, flat, image, two_halves, with_noise};
 use super::*;
 use crate::test_noise::TestNoise;
@@ -28,7 +29,8 @@ fn added_parts(picture: &Image, parts: Parts, settings: &CascadeSettings) -> Ima
     let kernel = GuidedKernel::surfaces(&features, settings.feature_scale);
     let mut added = picture.clone();
     let scrutiny = settings.scrutiny(parts.count());
-    add_significant_residual(&mut added, parts, relative_to(picture), &kernel, scrutiny, &Silent).unwrap();
+    add_significant_residual(&mut added, parts, relative_to(picture), |step| kernel.taps(step), scrutiny, &Silent)
+        .unwrap();
     added
 }
 
@@ -104,7 +106,7 @@ fn parts_that_add_up_are_their_sum() {
         &mut sum,
         parts,
         relative_to(&flat(SIZE, 1.0)),
-        &kernel,
+        |step| kernel.taps(step),
         CascadeSettings::default().scrutiny(2),
         &Silent,
     )
