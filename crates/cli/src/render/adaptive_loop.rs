@@ -212,6 +212,8 @@ impl State<'_> {
         let mut settings = self.sampling.settings.reconstruction;
         settings.regression.window.radius = rounds.iteration_radius;
         settings.best.light.apart &= rounds.iteration_apart;
+        // Samples go by the error, which knows nothing of clouds.
+        settings.best.clouds.levels = 0;
         let fit = &mut settings.best.regression;
         fit.stride = rounds.iteration_stride;
         fit.passes = rounds.iteration_passes;
