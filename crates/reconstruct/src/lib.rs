@@ -9,6 +9,7 @@ pub mod adaptive;
 mod bands;
 pub mod best;
 pub mod box_filter;
+mod by_component;
 pub mod collaborative;
 pub mod completion;
 mod components;

@@ -2,14 +2,14 @@
 
 use std::borrow::Cow;
 
-use stack::{Component, ComponentRole, Estimate, FeatureStack, Image, Monitor};
+use stack::{Component, ComponentRole, FeatureStack, Image, Monitor};
 
-use crate::best::{Chooser, Extras, GuideFeatures, Workshop};
+use crate::best::{Chooser, Extras};
+use crate::by_component::Collaborative;
 use crate::completion::{Completed, complete};
 use crate::components::{is_lit, sum_of_components, variance_of};
 use crate::emission::{rebuild_emission, with_emission_apart};
 use crate::exposure::{Exposed, exposure};
-use crate::indirect::{direct_share_of_noise, is_part_of, parts};
 use crate::method::Method;
 use crate::network::WeightsError;
 use crate::prefilter::{FeatureSet, prefilter};
@@ -176,79 +176,6 @@ fn exposed_passes(passes: &[Image], exposure: f32) -> Cow<'_, [Image]> {
 /// What the network says that comes along, where it is asked.
 fn chooser(settings: &Settings) -> Result<Option<Chooser>, WeightsError> {
     settings.best.choice.learned.then(best::trained).transpose()
-}
-
-/// What collaborative fits need to rebuild a component.
-struct Collaborative<'a> {
-    workshop: Workshop<'a>,
-    settings: &'a Settings,
-}
-
-impl<'a> Collaborative<'a> {
-    fn new(
-        stack: &'a FeatureStack,
-        features: &'a GuideFeatures,
-        settings: &'a Settings,
-        chooser: Option<&'a Chooser>,
-        extras: Extras<'a>,
-    ) -> Result<Self, ReconstructError> {
-        settings.best.check_candidates()?;
-        let workshop = Workshop { stack, features, beside: None, settings: &settings.best, chooser, extras };
-        Ok(Self { workshop, settings })
-    }
-
-    /// A component by itself, or, where its direct light has little noise, direct and `indirect` light by themselves.
-    fn rebuilt(
-        &self,
-        component: Cow<'_, Component>,
-        indirect: Option<Cow<'_, Estimate>>,
-        monitor: &dyn Monitor,
-    ) -> Result<Reconstruction, ReconstructError> {
-        let Some(indirect) = indirect.filter(|indirect| self.may_be_apart(indirect, &component)) else {
-            return self.rebuilt_whole(component, monitor);
-        };
-        let Workshop { stack, features, settings, .. } = self.workshop;
-        let share = direct_share_of_noise(&indirect, &component.radiance, &stack.samples);
-        if share >= settings.light.direct_noise {
-            drop(indirect);
-            return self.rebuilt_whole(component, monitor);
-        }
-        let [direct, indirect] = parts(component.into_owned(), indirect.into_owned());
-        let mut sum = Reconstruction::plain(Image::zeros(stack.size(), 3));
-        if is_lit(&direct) {
-            let settings = settings.for_direct_light(share);
-            let workshop = Workshop { settings: &settings, ..self.workshop };
-            sum.add(workshop.rebuild(Cow::Owned(direct), monitor)?);
-        }
-        if is_lit(&indirect) {
-            let guided = best::with_direct_light(features, &sum.picture, settings.light.direct_guide);
-            let (features, beside) = (guided.as_ref().unwrap_or(features), Some(&sum.picture));
-            let workshop = Workshop { features, beside, ..self.workshop };
-            sum.add(workshop.rebuild(Cow::Owned(indirect), monitor)?);
-        }
-        Ok(sum)
-    }
-
-    /// Whether `indirect` light can be rebuilt by itself, and it is asked for. Passes need the weights of the whole.
-    fn may_be_apart(&self, indirect: &Estimate, component: &Component) -> bool {
-        let Workshop { settings, extras, .. } = self.workshop;
-        settings.light.apart && extras.passes.is_empty() && is_part_of(indirect, &component.radiance)
-    }
-
-    fn rebuilt_whole(
-        &self,
-        component: Cow<'_, Component>,
-        monitor: &dyn Monitor,
-    ) -> Result<Reconstruction, ReconstructError> {
-        let Workshop { stack, features, .. } = self.workshop;
-        if component.role == ComponentRole::Scattered {
-            return self.workshop.rebuild(component, monitor);
-        }
-        let (radiance, variance) = (&component.radiance.mean, variance_of(stack, &component)?);
-        let mut rebuilt = rebuild_emission(radiance, &variance, &features.set, self.settings, monitor)?;
-        best::share_unseen(&mut rebuilt.mse, &variance);
-        Ok(rebuilt)
-    }
 }
 
 /// The mean of the samples, with its variance as error.

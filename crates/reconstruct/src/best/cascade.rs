@@ -67,11 +67,12 @@ impl CascadeSettings {
 }
 
 /// Adds to `picture` what `parts` agree on and it lacks: the residual of each part, taken apart by a kernel into
-/// details of growing scale. A detail of luminance d counts by E\[s\]/E\[d²\], times the gain; s = d² − c v is its signal, v
-/// its variance between parts and c the significance; colours count as much. Squares are multiplied by `relative`. Of more than two parts
-/// each is left out once, and the least signal counts: a firefly, which is in one part, is none. Both are smoothed at the
-/// detail's own scale and the next two. What is left at the coarsest scale counts in full. Never below zero. Reports the stage
-/// `cascade`.
+/// details of growing scale; `taps_of` are those of the kernel, so many pixels apart, and each is asked for once, the finest
+/// first. A detail of luminance d counts by E\[s\]/E\[d²\], times the gain; s = d² − c v is its signal, v its variance
+/// between parts and c the significance; colours count as much. Squares are multiplied by `relative`. Of more than two
+/// parts each is left out once, and the least signal counts: a firefly, which is in one part, is none. Both are smoothed at
+/// the detail's own scale and the next two. What is left at the coarsest scale counts in full. Never below zero. Reports the
+/// stage `cascade`.
 ///
 /// # Errors
 /// When `monitor` cancels.
