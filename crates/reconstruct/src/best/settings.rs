@@ -148,7 +148,7 @@ stack::knobs! {
     pub struct CloudSettings("clouds") {
         /// Scales, each twice as coarse as the one before, on which differences are kept only where both halves of the
         /// picture show them; 0 keeps all.
-        levels: usize = 5, 0..=10;
+        levels: usize = 4, 0..=10;
         /// How many of them, the finest, are kept all the same.
         trusted: usize = 2, 0..=10;
         /// Multiple of a difference's variance that its square must exceed.
