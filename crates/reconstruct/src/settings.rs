@@ -2,7 +2,7 @@
 
 use crate::best::BestSettings;
 use crate::completion::CompletionSettings;
-use crate::guide::GuideSettings;
+use crate::guide::settings::GuideSettings;
 use crate::method::MethodSettings;
 use crate::prefilter::PrefilterSettings;
 use crate::regression::RegressionSettings;

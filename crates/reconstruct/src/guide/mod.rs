@@ -17,6 +17,7 @@ mod evidence;
 mod inputs;
 mod judge;
 mod moments;
+pub(crate) mod settings;
 mod stakes;
 mod weights;
 
@@ -26,20 +27,13 @@ use self::evidence::Evidence;
 pub use self::inputs::INPUTS;
 use self::inputs::Inputs;
 use self::moments::Moments;
+pub use self::settings::GuideSettings;
 use self::stakes::stakes;
 use crate::completion::complete;
 use crate::network::WeightsError;
 use crate::prefilter::PrefilterError;
 use crate::reconstruction::{ReconstructError, Reconstruction};
 use crate::settings::Settings;
-
-stack::knobs! {
-    /// How far another denoiser's picture is followed.
-    pub struct GuideSettings("guide") {
-        /// Multiple of the weight that a guide deserves by what is known about it; 0 leaves the guide alone.
-        strength: f32 = 1.0, 0.0..=1.0;
-    }
-}
 
 /// A picture with a guide mixed in.
 #[derive(Clone, Debug, PartialEq)]
