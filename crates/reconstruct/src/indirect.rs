@@ -95,9 +95,10 @@ mod tests {
         reconstruct(stack, &settings, &Silent).unwrap().picture
     }
 
-    /// Indirect light that knows nothing of direct light, which is rebuilt with all fits.
+    /// Indirect light that knows nothing of direct light, which is rebuilt with all fits; both as bright as they are.
     fn alone() -> LightSettings {
-        LightSettings { direct_guide: 0.0, direct_spread: 0.0, direct_fast: 0.0, ..LightSettings::DEFAULT }
+        let unguided = LightSettings { direct_guide: 0.0, direct_spread: 0.0, ..LightSettings::DEFAULT };
+        LightSettings { direct_fast: 0.0, darkest: 0.0, brightest: 1e30, ..unguided }
     }
 
     #[test]
