@@ -55,7 +55,7 @@ fn works(settings: &BestSettings) -> [Work; 7] {
         work("spread", 8 + SURFACES + 3 + 7, None),
         work("cascade", 3 * (BUCKETS + 2) + SURFACES + 6, Some(cascade(settings))),
         work("second pass", FEATURES + halves + 3 + 2 + 3 + 6 * (candidates - 1), Some(second)),
-        work("choice", 6 * candidates + halves + 3 + SURFACES + 6, Some(choice(settings, candidates))),
+        work("choice", 6 * candidates + halves + 3 + SURFACES + 6, Some(choice(candidates))),
     ]
 }
 
@@ -81,21 +81,26 @@ fn guided(guides: usize, planes: usize) -> usize {
 }
 
 /// Of spread events in two halves, and of the residual in eight parts: their luminances and the mean of colours are
-/// smoothed, each detail's squares three times.
+/// smoothed, each detail's squares three times; of clouds in two halves, but for the squares of trusted levels. The last
+/// is followed, in the same stage, by energy given back, with taps that are weighed already, and the error's two smoothings.
 fn cascade(settings: &BestSettings) -> usize {
     let of_parts = |guides: usize, parts: usize, signals: usize| guided(guides, parts + 3 + 3 * (1 + signals));
-    let parts = settings.cascade.parts;
-    settings.spread.levels * of_parts(SURFACES + 3, 2, 1) + settings.cascade.levels * of_parts(SURFACES, parts, parts)
+    let (guides, parts, clouds) = (SURFACES + 3, settings.cascade.parts, &settings.clouds);
+    let weighed = clouds.levels.min(settings.restore.levels);
+    settings.spread.levels * of_parts(guides, 2, 1)
+        + settings.cascade.levels * of_parts(SURFACES, parts, parts)
+        + clouds.levels * guided(guides, 2 + 3)
+        + clouds.levels.saturating_sub(clouds.trusted) * 3 * 2 * 25
+        + settings.restore.levels * 9 * 25
+        + (settings.restore.levels - weighed) * guided(guides, 0)
+        + 2 * guided(guides, 1)
 }
 
-/// Evidence on three scales, the network, energy given back, and the error's two smoothings.
-fn choice(settings: &BestSettings, candidates: usize) -> usize {
+/// Evidence on three scales, and the network.
+fn choice(candidates: usize) -> usize {
     let (guides, hidden, own, shared) = (SURFACES + 3, 24, 12, 7);
     let network = hidden * (shared + candidates * (own + 1));
-    3 * guided(guides, 1 + 3 * candidates)
-        + network
-        + settings.restore.levels * guided(guides, 6)
-        + 2 * guided(guides, 1)
+    3 * guided(guides, 1 + 3 * candidates) + network
 }
 
 /// Seconds that each stage of a whole reconstruction took, all light at once.

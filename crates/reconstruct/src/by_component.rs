@@ -7,6 +7,7 @@ use stack::{Component, ComponentRole, Estimate, FeatureStack, Image, Monitor};
 use crate::best::{Chooser, Extras, GuideFeatures, Workshop};
 use crate::components::{is_lit, variance_of};
 use crate::emission::rebuild_emission;
+use crate::exposure::Exposed;
 use crate::indirect::{direct_share_of_noise, is_part_of, parts};
 use crate::reconstruction::{ReconstructError, Reconstruction};
 use crate::{Settings, best};
@@ -15,10 +16,11 @@ use crate::{Settings, best};
 pub struct Collaborative<'a> {
     workshop: Workshop<'a>,
     settings: &'a Settings,
+    exposure: f32,
 }
 
 impl<'a> Collaborative<'a> {
-    /// Work on components of `stack`.
+    /// Work on components of `stack`, made `exposure` times as bright for it.
     ///
     /// # Errors
     /// When the network would be asked about candidates that it does not know.
@@ -28,10 +30,11 @@ impl<'a> Collaborative<'a> {
         settings: &'a Settings,
         chooser: Option<&'a Chooser>,
         extras: Extras<'a>,
+        exposure: f32,
     ) -> Result<Self, ReconstructError> {
         settings.best.check_candidates()?;
         let workshop = Workshop { stack, features, beside: None, settings: &settings.best, chooser, extras };
-        Ok(Self { workshop, settings })
+        Ok(Self { workshop, settings, exposure })
     }
 
     /// A component by itself, or, where its direct light has little noise, direct and `indirect` light by themselves.
@@ -39,6 +42,23 @@ impl<'a> Collaborative<'a> {
     /// # Errors
     /// When the component's noise does not come in buckets, or `monitor` cancels.
     pub fn rebuilt(
+        &self,
+        component: Cow<'_, Component>,
+        indirect: Option<Cow<'_, Estimate>>,
+        monitor: &dyn Monitor,
+    ) -> Result<Reconstruction, ReconstructError> {
+        let Self { workshop, exposure, .. } = *self;
+        let passes: Cow<[Image]> = match exposure {
+            1.0 => Cow::Borrowed(workshop.extras.passes),
+            _ => workshop.extras.passes.iter().map(|pass| pass.clone().exposed(exposure)).collect(),
+        };
+        let extras = Extras { passes: &passes, ..workshop.extras };
+        let bright = Collaborative { workshop: Workshop { extras, ..workshop }, ..*self };
+        let indirect = indirect.map(|indirect| indirect.exposed(exposure));
+        Ok(bright.rebuilt_as_it_is(component.exposed(exposure), indirect, monitor)?.exposed(1.0 / exposure))
+    }
+
+    fn rebuilt_as_it_is(
         &self,
         component: Cow<'_, Component>,
         indirect: Option<Cow<'_, Estimate>>,

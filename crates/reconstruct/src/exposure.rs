@@ -1,6 +1,8 @@
 //! Exposure. Much of `best` is relative to brightness, down to constants that keep logarithms and quotients finite in the
 //! dark. So light in other units than usual is made brighter or darker before it is rebuilt, and brought back at the end.
 
+use std::borrow::Cow;
+
 use rayon::prelude::*;
 use stack::{Component, ComponentRole, Estimate, FeatureStack, Image, Noise, Size};
 
@@ -81,6 +83,13 @@ impl Exposed for Estimate {
 impl Exposed for Component {
     fn exposed(self, factor: f32) -> Self {
         Self { radiance: self.radiance.exposed(factor), ..self }
+    }
+}
+
+/// Borrowed light is copied only if it changes.
+impl<T: Exposed + Clone> Exposed for Cow<'_, T> {
+    fn exposed(self, factor: f32) -> Self {
+        if factor == 1.0 { self } else { Cow::Owned(self.into_owned().exposed(factor)) }
     }
 }
 

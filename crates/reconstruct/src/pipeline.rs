@@ -9,7 +9,7 @@ use crate::by_component::Collaborative;
 use crate::completion::{Completed, complete};
 use crate::components::{is_lit, sum_of_components, variance_of};
 use crate::emission::{rebuild_emission, with_emission_apart};
-use crate::exposure::{Exposed, exposure};
+use crate::exposure::exposure;
 use crate::method::Method;
 use crate::network::WeightsError;
 use crate::prefilter::{FeatureSet, prefilter};
@@ -109,18 +109,16 @@ fn freeing(
     let mut indirect = stack.indirect.take();
     let chooser = chooser(settings)?;
     let exposure = exposure(&components, &settings.best.light);
-    let passes = exposed_passes(extras.passes, exposure);
-    let task = Collaborative::new(stack, &features, settings, chooser.as_ref(), Extras { passes: &passes, ..extras })?;
+    let task = Collaborative::new(stack, &features, settings, chooser.as_ref(), extras, exposure)?;
     let mut sum = Reconstruction::plain(Image::zeros(stack.size(), 3));
     // The last first: emission is soon done with.
     while let Some(component) = components.pop() {
         if is_lit(&component) {
             let indirect = if component.role == ComponentRole::Scattered { indirect.take() } else { None };
-            let indirect = indirect.map(|indirect| Cow::Owned(indirect.exposed(exposure)));
-            sum.add(task.rebuilt(Cow::Owned(component.exposed(exposure)), indirect, monitor)?);
+            sum.add(task.rebuilt(Cow::Owned(component), indirect.map(Cow::Owned), monitor)?);
         }
     }
-    Ok(sum.exposed(1.0 / exposure))
+    Ok(sum)
 }
 
 /// The paper's method.
@@ -153,24 +151,11 @@ fn collaborative(
 ) -> Result<Reconstruction, ReconstructError> {
     let features = best::guide_features(stack, &settings.best.features, monitor)?;
     let exposure = exposure(&stack.components, &settings.best.light);
-    let passes = exposed_passes(extras.passes, exposure);
-    let task = Collaborative::new(stack, &features, settings, chooser, Extras { passes: &passes, ..extras })?;
-    let sum = sum_of_components(stack.size(), &stack.components, |component| {
+    let task = Collaborative::new(stack, &features, settings, chooser, extras, exposure)?;
+    sum_of_components(stack.size(), &stack.components, |component| {
         let indirect = stack.indirect.as_ref().filter(|_| component.role == ComponentRole::Scattered);
-        if exposure == 1.0 {
-            return task.rebuilt(Cow::Borrowed(component), indirect.map(Cow::Borrowed), monitor);
-        }
-        let indirect = indirect.map(|indirect| Cow::Owned(indirect.clone().exposed(exposure)));
-        task.rebuilt(Cow::Owned(component.clone().exposed(exposure)), indirect, monitor)
-    })?;
-    Ok(sum.exposed(1.0 / exposure))
-}
-
-fn exposed_passes(passes: &[Image], exposure: f32) -> Cow<'_, [Image]> {
-    match exposure {
-        1.0 => Cow::Borrowed(passes),
-        _ => Cow::Owned(passes.iter().map(|pass| pass.clone().exposed(exposure)).collect()),
-    }
+        task.rebuilt(Cow::Borrowed(component), indirect.map(Cow::Borrowed), monitor)
+    })
 }
 
 /// What the network says that comes along, where it is asked.

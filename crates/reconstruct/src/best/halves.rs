@@ -1,6 +1,5 @@
 //! Arithmetic of pictures that come in halves.
 
-use rayon::prelude::*;
 use stack::{Image, Size};
 
 use crate::per_pixel::plane;
@@ -22,7 +21,7 @@ pub fn sum_of([a, b]: &[Image; 2]) -> Image {
 pub fn mean_of(halves: &[Image; 2]) -> Image {
     let [a, b] = halves.each_ref().map(Image::channels);
     let mean = |(a, b): (&Vec<f32>, &Vec<f32>)| plane(a.len(), |pixel| 0.5 * (a[pixel] + b[pixel]));
-    Image::from_channels(halves[0].size(), a.par_iter().zip(b).map(mean).collect())
+    Image::from_channels(halves[0].size(), a.iter().zip(b).map(mean).collect())
 }
 
 /// Mean over RGB of every pixel.

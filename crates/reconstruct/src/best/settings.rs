@@ -29,8 +29,8 @@ stack::knobs! {
         darkest: f32 = 0.03, 0.0..=1000.0;
         /// Brightness above which light is made darker before it is rebuilt.
         brightest: f32 = 0.3, 1e-9..=1e30;
-        /// Whether direct and indirect light are rebuilt apart, where a stack keeps them apart: their borders lie elsewhere. It takes
-        /// up to twice the time.
+        /// Whether direct and indirect light are rebuilt apart, where a stack keeps them apart: their borders lie
+        /// elsewhere. It takes up to twice the time.
         apart: bool = true, ..;
         /// Weight of a difference in the logarithm of the rebuilt direct light against one in features, where indirect
         /// light is rebuilt apart; 0 leaves it to visibility.
