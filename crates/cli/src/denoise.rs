@@ -190,8 +190,8 @@ fn require(args: &DenoiseArgs, read: &ReadStack) -> Result<()> {
 }
 
 /// What may stand in `--require`.
-const EXPECTED: &str = "expected position, albedo, normal, visibility, depth, emission, alpha, samples, noise, variance or \
-                        buckets";
+const EXPECTED: &str = "expected position, albedo, normal, visibility, depth, proximity, lit, emission, alpha, samples, noise, \
+                        variance or buckets";
 
 /// Settings: those of the preset that was asked for, else those recorded in a file of ours, else the default's; flags
 /// override them.

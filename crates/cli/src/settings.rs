@@ -84,10 +84,11 @@ impl Settings {
     }
 }
 
-/// The method of `best` for all light at once, hastened, with a smaller prefilter.
+/// The method of `best` for all light at once, hastened, with a smaller prefilter that leaves out what lies next.
 fn fast() -> BestSettings {
     let mut best = BestSettings::default().hastened();
     best.light.apart = false;
     best.features.radius = 2;
+    best.features.next = false;
     best
 }

@@ -135,7 +135,7 @@ mod tests {
         let [both, direct, indirect] = stacks([10, 20]);
         let fast = LightSettings { direct_fast: 1.0, ..alone() };
         let mut hastened = Settings::default();
-        hastened.best = hastened.best.hastened();
+        hastened.best = hastened.best.for_direct_light(0.0);
         let mut sum = reconstruct(&direct, &hastened, &Silent).unwrap().picture;
         sum.add(&picture(&indirect, fast));
         let found = picture(&both, fast);

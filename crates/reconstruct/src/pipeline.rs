@@ -103,7 +103,7 @@ fn freeing(
     extras: Extras,
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
-    let features = best::guide_features(stack, &settings.best.features, monitor)?;
+    let features = best::guide_features(stack, &settings.best, monitor)?;
     stack.features.clear();
     let mut components = std::mem::take(&mut stack.components);
     let mut indirect = stack.indirect.take();
@@ -149,7 +149,7 @@ fn collaborative(
     extras: Extras,
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
-    let features = best::guide_features(stack, &settings.best.features, monitor)?;
+    let features = best::guide_features(stack, &settings.best, monitor)?;
     let exposure = exposure(&stack.components, &settings.best.light);
     let task = Collaborative::new(stack, &features, settings, chooser, extras, exposure)?;
     sum_of_components(stack.size(), &stack.components, |component| {

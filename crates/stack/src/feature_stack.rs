@@ -54,11 +54,16 @@ pub enum FeatureRole {
     Visibility,
     /// Distance along the camera ray, in scene units.
     Depth,
+    /// How near the surface lies that the path meets next, 0 (at infinity, or none) … 1: what an ambient occlusion tells.
+    Proximity,
+    /// Share of paths that meet a surface next which a light sample reaches, 0 … 1.
+    Lit,
 }
 
 impl FeatureRole {
     /// All roles, in the order in which features stand in a stack.
-    pub const ALL: [Self; 5] = [Self::Position, Self::Albedo, Self::Normal, Self::Visibility, Self::Depth];
+    pub const ALL: [Self; 7] =
+        [Self::Position, Self::Albedo, Self::Normal, Self::Visibility, Self::Depth, Self::Proximity, Self::Lit];
 
     /// Name of its layer in a file.
     pub const fn layer(self) -> &'static str {
@@ -68,6 +73,8 @@ impl FeatureRole {
             Self::Normal => "normal",
             Self::Visibility => "visibility",
             Self::Depth => "depth",
+            Self::Proximity => "proximity",
+            Self::Lit => "lit",
         }
     }
 
@@ -76,9 +83,14 @@ impl FeatureRole {
         match self {
             Self::Position | Self::Normal => &["X", "Y", "Z"],
             Self::Albedo => &["R", "G", "B"],
-            Self::Visibility => &["Y"],
+            Self::Visibility | Self::Proximity | Self::Lit => &["Y"],
             Self::Depth => &["Z"],
         }
+    }
+
+    /// Whether it tells where paths go on from the feature hit, and so what indirect light does. Only we write it.
+    pub const fn is_of_next_surface(self) -> bool {
+        matches!(self, Self::Proximity | Self::Lit)
     }
 }
 

@@ -63,7 +63,7 @@ pub struct Image {
 impl Image {
     /// An image of zeros.
     pub fn zeros(size: Size, channels: usize) -> Self {
-        Self { size, channels: vec![vec![0.0; size.pixels()]; channels] }
+        Self { size, channels: planes_of_zeros(size.pixels(), channels) }
     }
 
     /// Wraps `channels`, each of which must hold `size.pixels()` values.
@@ -129,4 +129,10 @@ impl Image {
             }
         }
     }
+}
+
+/// So many planes of zeros. Each is allocated by itself: the system hands out large ones zeroed, whereas copies of one are
+/// written on a single thread.
+pub fn planes_of_zeros(pixels: usize, planes: usize) -> Vec<Vec<f32>> {
+    (0..planes).map(|_| vec![0.0; pixels]).collect()
 }

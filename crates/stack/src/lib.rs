@@ -19,7 +19,7 @@ pub use estimate::{Estimate, Noise};
 pub use fault::Fault;
 pub use feature_stack::{Component, ComponentRole, Feature, FeatureRole, FeatureStack, INDIRECT};
 pub use file::Passthrough;
-pub use image::{Image, Size, Window};
+pub use image::{Image, Size, Window, planes_of_zeros};
 pub use knob::{Knob, KnobError, KnobValue, Knobs, flag_name, read_knob};
 pub use monitor::{Cancelled, Monitor, Silent};
 pub use samples::{Dealing, GroupCounts, Place, SampleCounts, SampleMap, place};

@@ -3,7 +3,7 @@
 mod parting;
 
 use rayon::prelude::*;
-use stack::{Cancelled, Image, Monitor, SampleCounts};
+use stack::{Cancelled, Image, Monitor, SampleCounts, planes_of_zeros};
 
 use super::guided_kernel::Taps;
 use super::halves::luminance;
@@ -88,7 +88,7 @@ pub fn add_significant_residual(
     let Parts { images, shares } = parts;
     let mut residual = residuals(images, &shares, picture);
     let parting = Parting::new(shares, relative, scrutiny.significance);
-    let mut found = vec![vec![0.0; picture.pixels()]; 3];
+    let mut found = planes_of_zeros(picture.pixels(), 3);
     let (mut taps, mut next) = (taps_of(1), taps_of(2));
     for level in 0..scrutiny.levels {
         if monitor.cancelled() {
@@ -135,7 +135,7 @@ fn group_shares(counts: &SampleCounts, pixels: usize, groups: usize) -> Vec<Vec<
 
 /// What the mean of each part has more than that of `picture`, then the same of their mean in every channel.
 fn residuals(parts: Vec<Image>, shares: &[Vec<f32>], picture: &Image) -> Vec<Vec<f32>> {
-    let mut mean = vec![vec![0.0; picture.pixels()]; 3];
+    let mut mean = planes_of_zeros(picture.pixels(), 3);
     mean.par_iter_mut().zip(picture.channels()).enumerate().for_each(|(c, (mean, plane))| {
         for (part, shares) in parts.iter().zip(shares) {
             let values = part.channels()[c].iter().zip(plane).zip(shares);

@@ -5,17 +5,18 @@ use std::ops::Range;
 use rayon::prelude::*;
 use stack::{Cancelled, Feature, FeatureRole, FeatureStack, Monitor, SampleCounts, Size};
 
-use super::settings::FeatureSettings;
+use super::next_surface::rebuilt_next_surface;
+use super::settings::{BestSettings, FeatureSettings};
 use crate::bands::rows_of;
 use crate::collaborative::Guide;
 use crate::completion::has_depth;
 use crate::nl_means::{nl_means, units};
 use crate::patch_distance::{Comparison, NoisyPlanes};
-use crate::prefilter::{FeatureSet, PrefilterError, VarianceSource, guides, normalised};
+use crate::prefilter::{FeatureSet, PrefilterError, VarianceSource, check, guides, normalised};
 use crate::variance::smoothed;
 
 /// Added to every variance: differences below its root are averaged away even where there is no noise.
-const LEAST_VARIANCE: f32 = 1e-6;
+pub const LEAST_VARIANCE: f32 = 1e-6;
 
 /// Features that explain a picture, and those among them that tell surfaces apart.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,19 +39,29 @@ impl GuideFeatures {
         Self { set, surfaces: self.surfaces.clone(), flat: self.flat }
     }
 
+    /// Adds a group.
+    fn add(&mut self, planes: Vec<Vec<f32>>, tells_surfaces_apart: bool) {
+        let group = self.set.planes.len()..self.set.planes.len() + planes.len();
+        if tells_surfaces_apart {
+            self.surfaces.extend(group.clone());
+        }
+        self.set.groups.push(group);
+        self.set.planes.extend(planes);
+    }
+
     /// The planes that tell surfaces apart.
     pub fn surfaces(&self) -> impl Iterator<Item = &[f32]> {
         self.surfaces.iter().map(|plane| self.set.planes[*plane].as_slice())
     }
 }
 
-/// The features of `stack`, each group filtered by itself. Reports the stage `prefilter`.
+/// The features of `stack`, each group filtered by itself, and those of the next surface by the others. Reports the stage `prefilter`.
 ///
 /// # Errors
 /// When there is no feature, one has a wrong shape, or `monitor` cancels.
 pub fn guide_features(
     stack: &FeatureStack,
-    settings: &FeatureSettings,
+    settings: &BestSettings,
     monitor: &dyn Monitor,
 ) -> Result<GuideFeatures, PrefilterError> {
     let features = guides(stack)?;
@@ -59,19 +70,28 @@ pub fn guide_features(
     let flat = stack.feature(FeatureRole::Normal).is_none() && !has_depth(stack);
     let mut all = GuideFeatures { set, surfaces: Vec::new(), flat };
     for feature in features {
-        let planes = filtered(feature, &stack.samples, settings, monitor)?;
-        let first = all.set.planes.len();
-        all.set.groups.push(first..first + planes.len());
-        if feature.role != FeatureRole::Visibility {
-            all.surfaces.extend(first..first + planes.len());
+        let planes = filtered(feature, &stack.samples, &settings.features, monitor)?;
+        all.add(planes, feature.role != FeatureRole::Visibility);
+    }
+    let next: Vec<&Feature> = stack.features.iter().filter(|feature| feature.role.is_of_next_surface()).collect();
+    if settings.features.next && !next.is_empty() {
+        for feature in &next {
+            check(feature, stack.size())?;
         }
-        all.set.planes.extend(planes);
+        let planes = match rebuilt_next_surface(&next, &all.set, &stack.samples, settings, monitor)? {
+            Some(planes) => planes,
+            None => {
+                let filtered = |feature: &&Feature| filtered(feature, &stack.samples, &settings.features, monitor);
+                next.iter().map(filtered).collect::<Result<Vec<_>, _>>()?.concat()
+            }
+        };
+        all.add(planes, true);
     }
     Ok(all)
 }
 
 /// Factor from a range of [−1, 1] to the natural one.
-fn natural_scale(role: FeatureRole) -> f32 {
+pub fn natural_scale(role: FeatureRole) -> f32 {
     if role == FeatureRole::Normal { 1.0 } else { 0.5 }
 }
 

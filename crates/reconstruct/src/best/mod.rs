@@ -19,6 +19,7 @@ mod given;
 pub(crate) mod guided_kernel;
 pub(crate) mod halves;
 mod light_guide;
+mod next_surface;
 mod passes;
 pub(crate) mod piloted;
 mod restore;

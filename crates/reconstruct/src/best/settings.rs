@@ -67,6 +67,11 @@ stack::knobs! {
         patch_radius: usize = 2, 0..=8;
         /// Radius of the box that smooths the variance of features, in pixels.
         variance_radius: usize = 1, 0..=16;
+        /// Whether what paths meet next after the feature hit is among them, where a stack tells: in corners and under
+        /// tables it is what indirect light goes by.
+        next: bool = true, ..;
+        /// Bandwidth k of the regression that frees that of noise.
+        next_bandwidth: f32 = 2.0, 0.01..=100.0;
     }
 }
 
@@ -243,7 +248,16 @@ impl BestSettings {
 
     /// What direct light is rebuilt with, where it is rebuilt apart and has this `share` of the noise.
     pub fn for_direct_light(self, share: f32) -> Self {
-        if share < self.light.direct_fast { self.hastened() } else { self }
+        if share >= self.light.direct_fast {
+            return self;
+        }
+        let hastened = self.hastened();
+        // Hardly any noise, so hardly any light is lost, and none of it far from where it belongs.
+        Self {
+            cascade: CascadeSettings { levels: 3, ..hastened.cascade },
+            restore: RestoreSettings { levels: 2, ..hastened.restore },
+            ..hastened
+        }
     }
 
     /// The same in a fraction of the time: few fits in small windows and few candidates, mixed by the rule alone; fewer

@@ -19,7 +19,7 @@ fn run(stack: &FeatureStack) -> Reconstruction {
 
 fn with(stack: &FeatureStack, extras: Extras) -> Reconstruction {
     let settings = BestSettings::default();
-    let features = guide_features(stack, &settings.features, &Silent).unwrap();
+    let features = guide_features(stack, &settings, &Silent).unwrap();
     let (component, chooser) = (Cow::Borrowed(&stack.components[0]), trained().unwrap());
     let (chooser, features) = (Some(&chooser), &features);
     let shop = Workshop { stack, features, beside: None, settings: &settings, chooser, extras };

@@ -1,7 +1,7 @@
 //! How many numbers a fit knows of a pixel.
 
 /// Most features a fit can use.
-pub const FEATURES: usize = 10;
+pub const FEATURES: usize = 12;
 
 /// Most values that are fitted side by side: the colours of both halves.
 pub const RESPONSES: usize = 6;

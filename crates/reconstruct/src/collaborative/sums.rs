@@ -2,7 +2,7 @@
 
 use pulp::Simd;
 use rayon::prelude::*;
-use stack::Size;
+use stack::{Size, planes_of_zeros};
 
 use crate::eight::{Eight, LANES, Lanes};
 use crate::rectangle::Rectangle;
@@ -18,7 +18,7 @@ pub struct Sums {
 impl Sums {
     /// Nothing yet.
     pub fn zeros(size: Size, responses: usize) -> Self {
-        Self { size, planes: vec![vec![0.0; size.pixels() + LANES - 1]; responses + 1] }
+        Self { size, planes: planes_of_zeros(size.pixels() + LANES - 1, responses + 1) }
     }
 
     /// Adds the `predictions` of a fit in groups of eight, list after list and multiplied by `weights` already. Groups lie

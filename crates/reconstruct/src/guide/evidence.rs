@@ -31,7 +31,10 @@ impl Evidence {
         settings: &BestSettings,
         monitor: &dyn Monitor,
     ) -> Result<Self, ReconstructError> {
-        let features = guide_features(stack, &settings.features, monitor)?;
+        // The network was trained without what lies next.
+        let mut of_surfaces = *settings;
+        of_surfaces.features.next = false;
+        let features = guide_features(stack, &of_surfaces, monitor)?;
         let [noisy, variance, events] = [(); 3].map(|()| Image::zeros(stack.size(), 3));
         let mut evidence = Self { noisy, variance, events, features };
         for component in stack.components.iter().filter(|component| is_lit(component)) {

@@ -160,7 +160,8 @@ pub fn prefilter(
 /// The features that guide the regression, checked.
 pub(crate) fn guides(stack: &FeatureStack) -> Result<Vec<&Feature>, PrefilterError> {
     let positioned = stack.feature(FeatureRole::Position).is_some();
-    let guides: Vec<&Feature> = stack.features.iter().filter(|f| f.role != FeatureRole::Depth || !positioned).collect();
+    let is_guide = |role: FeatureRole| !role.is_of_next_surface() && (role != FeatureRole::Depth || !positioned);
+    let guides: Vec<&Feature> = stack.features.iter().filter(|feature| is_guide(feature.role)).collect();
     if guides.is_empty() {
         return Err(PrefilterError::NoFeatures);
     }

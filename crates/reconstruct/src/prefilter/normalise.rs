@@ -25,7 +25,9 @@ impl Normalisation {
     fn of(feature: &Feature) -> Self {
         let channels = feature.estimate.mean.channels();
         match feature.role {
-            FeatureRole::Albedo | FeatureRole::Visibility => Self { centre: vec![0.5; channels.len()], scale: 2.0 },
+            FeatureRole::Albedo | FeatureRole::Visibility | FeatureRole::Proximity | FeatureRole::Lit => {
+                Self { centre: vec![0.5; channels.len()], scale: 2.0 }
+            }
             FeatureRole::Normal => Self { centre: vec![0.0; channels.len()], scale: 1.0 },
             FeatureRole::Position | FeatureRole::Depth => {
                 let extents: Vec<(f32, f32)> = channels.iter().map(|channel| extent(channel)).collect();
@@ -113,8 +115,8 @@ fn normalised_variance(
 /// parts reach beyond it, and cutting them off there would hide noise.
 fn partial_limit(role: FeatureRole) -> f32 {
     match role {
-        FeatureRole::Albedo | FeatureRole::Normal | FeatureRole::Visibility => 1.0,
         FeatureRole::Position | FeatureRole::Depth => 3.0,
+        _ => 1.0,
     }
 }
 

@@ -31,7 +31,7 @@ pub fn by_value<'a>(search: &Search<'a>, role: Role) -> Option<Vec<&'a LayerName
             let all: Vec<_> = free.filter(|layer| is_reflectance(search.layers, layer)).collect();
             if all.len() == 1 { all } else { Vec::new() }
         }
-        FeatureRole::Visibility => return None,
+        FeatureRole::Visibility | FeatureRole::Proximity | FeatureRole::Lit => return None,
     })
 }
 

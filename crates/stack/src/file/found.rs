@@ -68,7 +68,8 @@ impl Found {
         if unknown("colour") {
             self.without.push("what the colour's noise is".into());
         }
-        let missing = FeatureRole::ALL.into_iter().filter(|role| stack.feature(*role).is_none());
+        let common = FeatureRole::ALL.into_iter().filter(|role| !role.is_of_next_surface());
+        let missing = common.filter(|role| stack.feature(*role).is_none());
         self.without.extend(missing.map(|role| role.layer().to_string()));
         if self.spp.is_none() {
             self.without.push("the number of samples".into());

@@ -80,7 +80,7 @@ impl fmt::Display for Convention {
 
 impl Role {
     /// All roles, colour first.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 11] = [
         Self::Colour,
         Self::Emission,
         Self::Feature(FeatureRole::Position),
@@ -88,6 +88,8 @@ impl Role {
         Self::Feature(FeatureRole::Normal),
         Self::Feature(FeatureRole::Visibility),
         Self::Feature(FeatureRole::Depth),
+        Self::Feature(FeatureRole::Proximity),
+        Self::Feature(FeatureRole::Lit),
         Self::Alpha,
         Self::Samples,
     ];

@@ -5,7 +5,7 @@ use glam::Vec3;
 /// Channels of radiance: scattered, emission, indirect.
 pub(super) const RADIANCE_CHANNELS: usize = 9;
 /// Channels of features, in the order of [`stack::FeatureRole::ALL`].
-pub(super) const FEATURE_CHANNELS: usize = 11;
+pub(super) const FEATURE_CHANNELS: usize = 13;
 
 /// What one path saw at its feature hit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -22,6 +22,10 @@ pub struct FeatureRecord {
     pub visibility: f32,
     /// Distance along the camera ray to the first surface, in scene units; on a miss to the bounding sphere.
     pub depth: f32,
+    /// R/(R + t), t the distance to the surface that the path meets next and R 3 % of `depth`; 0 when it meets none.
+    pub proximity: f32,
+    /// 1 when the light sample taken at that surface arrives unoccluded, else 0; 0 when there is no such surface.
+    pub lit: f32,
 }
 
 /// What one path contributes to its pixel. The radiance it carries is `scattered + emission`.
@@ -64,8 +68,8 @@ impl SampleRecord {
 
     /// The features, channel by channel.
     pub(super) fn feature_channels(&self) -> [f32; FEATURE_CHANNELS] {
-        let FeatureRecord { position: p, albedo: a, normal: n, visibility, depth } = self.features;
-        [p.x, p.y, p.z, a.x, a.y, a.z, n.x, n.y, n.z, visibility, depth]
+        let FeatureRecord { position: p, albedo: a, normal: n, visibility, depth, proximity, lit } = self.features;
+        [p.x, p.y, p.z, a.x, a.y, a.z, n.x, n.y, n.z, visibility, depth, proximity, lit]
     }
 }
 

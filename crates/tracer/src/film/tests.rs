@@ -22,6 +22,8 @@ fn record(pixel: usize, index: u32) -> SampleRecord {
             normal: Vec3::Z,
             visibility: (index % 2) as f32,
             depth: 4.0 * value,
+            proximity: 1.0 / (1.0 + value),
+            lit: (index % 3 / 2) as f32,
         },
     }
 }

@@ -423,12 +423,60 @@ fn visibility_tells_light_from_shadow() {
     }
 }
 
+/// Of a matt floor below a ceiling, cosines are distributed as 2c, and the ceiling lies h/c away.
+#[test]
+fn proximity_is_that_of_the_surface_a_path_meets_next() {
+    let floor =
+        |pieces: Pieces| pieces.quad(Vec3::new(-9.0, 0.0, 9.0), Vec3::X * 18.0, -Vec3::Z * 18.0, (diffuse(0.5), 0.0));
+    let ceiling = |pieces: Pieces, height: f32, reflects: f32| {
+        pieces.quad(Vec3::new(-4e3, height, -4e3), Vec3::X * 8e3, Vec3::Z * 8e3, (diffuse(reflects), 0.0))
+    };
+    let seen = |scene: &Scene, max_depth: u32| {
+        let settings = TraceSettings { max_depth, ..DEFAULT };
+        let camera = peering(Vec3::new(0.0, 2.0, 0.0), Vec3::new(0.0, 0.0, 0.1));
+        let (stack, _) = render(scene, &camera, 4096, &settings);
+        let mean = |role| (0..16).map(|pixel| feature(&stack, role, pixel)[0]).sum::<f32>() / 16.0;
+        [FeatureRole::Proximity, FeatureRole::Lit].map(mean)
+    };
+    let depth = Vec3::new(0.0, 2.0, 0.1).length();
+    for height in [2.5, 20.0] {
+        let a = f64::from(height / (0.03 * depth));
+        let expected = (1.0 - 2.0 * a + 2.0 * a * a * ((1.0 + a) / a).ln()) as f32;
+        let scene = ceiling(floor(Pieces::default()), height, 0.5).under(None);
+        let [near, lit] = seen(&scene, 2);
+        assert!((near - expected).abs() < 0.02 * expected, "{near} {expected}");
+        assert_eq!(lit, 0.0, "there is no light");
+        assert_eq!(seen(&scene, 0), [0.0; 2], "paths end at the floor");
+    }
+    assert_eq!(seen(&floor(Pieces::default()).under(Some(1.0)), 2), [0.0; 2], "nothing but the sky comes next");
+}
+
+#[test]
+fn next_surfaces_are_lit_where_light_samples_reach_them() {
+    let room = |lamp_above: bool| {
+        let edge = if lamp_above { (Vec3::X, Vec3::Z) } else { (Vec3::Z, Vec3::X) };
+        Pieces::default()
+            .quad(Vec3::new(-9.0, 0.0, 9.0), Vec3::X * 18.0, -Vec3::Z * 18.0, (diffuse(0.5), 0.0))
+            .quad(Vec3::new(-4e3, 5.0, -4e3), Vec3::X * 8e3, Vec3::Z * 8e3, (diffuse(0.5), 0.0))
+            .quad(Vec3::new(2.0, 3.0, 2.0), edge.0, edge.1, lamp(9.0))
+            .under(None)
+    };
+    let lit = |scene: Scene| {
+        let (stack, _) = render(&scene, &peering(Vec3::new(0.0, 2.0, 0.0), Vec3::new(0.0, 0.0, 0.1)), 512, &DEFAULT);
+        (0..16).map(|pixel| feature(&stack, FeatureRole::Lit, pixel)[0]).sum::<f32>() / 16.0
+    };
+    // Rays that meet the lamp itself meet no light.
+    let [down, up] = [lit(room(true)), lit(room(false))];
+    assert!(down == 0.0 && up > 0.9, "{down} {up}");
+}
+
 #[test]
 fn a_miss_has_the_features_of_a_miss() {
     let (stack, _) = render(&furnace(0.5), &peering(Vec3::new(0.0, 0.0, 1.2), Vec3::new(0.0, 0.0, 9.0)), 8, &DEFAULT);
     assert_eq!(feature(&stack, FeatureRole::Normal, 0), [0.0; 3]);
     assert_eq!(feature(&stack, FeatureRole::Albedo, 0), [1.0; 3]);
     assert_eq!(feature(&stack, FeatureRole::Visibility, 0), [1.0]);
+    assert_eq!(feature(&stack, FeatureRole::Proximity, 0), [0.0]);
     let radius = 3.0_f32.sqrt();
     assert!((feature(&stack, FeatureRole::Position, 0)[2] - radius).abs() < 1e-3);
     assert!((feature(&stack, FeatureRole::Depth, 0)[0] - (radius - 1.2)).abs() < 1e-3);

@@ -17,30 +17,33 @@ fn power_heuristic(own: f32, other: f32) -> f32 {
 }
 
 impl PathTracer<'_> {
-    /// Takes one light sample at `hit`, adds what arrives when `adds`, and notes whether it arrives in the features
-    /// when `notes`.
-    pub(super) fn sample_direct(&self, path: &mut Path, at: &Surface, stream: &Stream, adds: bool, notes: bool) {
+    /// Takes one light sample at `hit` and adds what arrives when `adds`. Whether it arrives, where that is `asked`.
+    pub(super) fn sample_direct(
+        &self,
+        path: &mut Path,
+        at: &Surface,
+        stream: &Stream,
+        adds: bool,
+        asked: bool,
+    ) -> bool {
         let adds = adds && !at.bsdf.is_specular() && self.settings.direct_light != DirectLight::Surfaces;
-        if !adds && !notes {
-            return;
+        if !adds && !asked {
+            return false;
         }
         let choice = stream.sample_bits(Decision::light(at.bounce));
         let point = stream.sample_2d(Decision::light_point(at.bounce));
         let sample = self.lights.sample_light(at.hit, at.bsdf.receiver(), choice, point);
-        let arrives = sample.is_some_and(|sample| self.arrives(path, at, &sample, adds, notes));
-        if notes && !arrives {
-            path.record.features.visibility = 0.0;
-        }
+        sample.is_some_and(|sample| self.arrives(path, at, &sample, adds, asked))
     }
 
     /// Whether the light of `sample` arrives; if so and if `adds`, its contribution is added.
-    fn arrives(&self, path: &mut Path, at: &Surface, sample: &LightSample, adds: bool, notes: bool) -> bool {
+    fn arrives(&self, path: &mut Path, at: &Surface, sample: &LightSample, adds: bool, asked: bool) -> bool {
         if !at.bsdf.is_reached_from(sample.direction) {
             return false;
         }
         let value = at.bsdf.evaluate(sample.direction);
         let matters = adds && value.max_element() != 0.0;
-        if !matters && !notes {
+        if !matters && !asked {
             return false;
         }
         path.rays += 1;

@@ -21,7 +21,7 @@ pub(super) fn settle(path: &Path, bsdf: &Bsdf, bounce: u32, settings: &TraceSett
     !path.settled && !looks_further
 }
 
-/// Features of a surface. Visibility is for the light sample to clear.
+/// Features of a surface. Whether light reaches it, and what lies next, is for the path to find out.
 pub(super) fn of_surface(hit: &Interaction, bsdf: &Bsdf) -> FeatureRecord {
     FeatureRecord {
         position: hit.position,
@@ -29,6 +29,8 @@ pub(super) fn of_surface(hit: &Interaction, bsdf: &Bsdf) -> FeatureRecord {
         normal: hit.shading_normal,
         visibility: 1.0,
         depth: hit.distance,
+        proximity: 0.0,
+        lit: 0.0,
     }
 }
 
@@ -46,7 +48,16 @@ pub(super) fn of_miss(ray: &Ray, bounds: Bounds) -> FeatureRecord {
         normal: Vec3::ZERO,
         visibility: 1.0,
         depth: depth.max(0.0),
+        proximity: 0.0,
+        lit: 0.0,
     }
+}
+
+/// How near a surface at this `distance` is to a feature hit seen from `depth` away: half at 3 % of that, so that what
+/// lies a few pixels off counts most whatever the scene's units.
+pub(super) fn proximity(distance: f32, depth: f32) -> f32 {
+    let near = 0.03 * depth;
+    if near > 0.0 { near / (near + distance) } else { 0.0 }
 }
 
 #[cfg(test)]

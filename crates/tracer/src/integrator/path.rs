@@ -38,12 +38,20 @@ impl<'a> PathTracer<'a> {
                 break;
             };
             self.see_emitter(&mut path, &hit);
+            let comes_next = path.settled && !path.indirect;
             path.indirect |= path.settled;
             let bsdf = Bsdf::at(&hit);
             let surface = Surface { hit: &hit, bsdf: &bsdf, bounce };
             let goes_on = bounce < self.settings.max_depth;
             let is_feature_hit = self.record_features(&mut path, &surface);
-            self.sample_direct(&mut path, &surface, stream, goes_on, is_feature_hit);
+            let arrives = self.sample_direct(&mut path, &surface, stream, goes_on, is_feature_hit || comes_next);
+            let recorded = &mut path.record.features;
+            if is_feature_hit {
+                recorded.visibility = f32::from(arrives);
+            } else if comes_next {
+                recorded.proximity = features::proximity(hit.distance, recorded.depth);
+                recorded.lit = f32::from(arrives);
+            }
             if !(goes_on && scatter(&mut path, &surface, stream) && self.survives(&mut path, bounce, stream)) {
                 break;
             }

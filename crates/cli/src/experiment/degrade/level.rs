@@ -61,8 +61,8 @@ impl Level {
     fn keeps(self, role: FeatureRole) -> bool {
         match role {
             FeatureRole::Position => self < Self::NoPosition,
-            FeatureRole::Visibility | FeatureRole::Depth => self < Self::AlbedoNormal,
             FeatureRole::Albedo | FeatureRole::Normal => self < Self::Colour,
+            _ => self < Self::AlbedoNormal,
         }
     }
 

@@ -26,7 +26,7 @@ fn known(role: FeatureRole, mut mean: Image) -> Feature {
 }
 
 fn run(features: Vec<Feature>) -> Result<GuideFeatures, PrefilterError> {
-    guide_features(&stack_of(features), &FeatureSettings::default(), &Silent)
+    guide_features(&stack_of(features), &BestSettings::default(), &Silent)
 }
 
 fn range(plane: &[f32]) -> f32 {

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use pulp::{Simd, WithSimd};
+use stack::planes_of_zeros;
 
 use super::piece::{PLANES, Piece};
 use super::taps::{PIXELS, Taps, for_each_row};
@@ -11,7 +12,7 @@ impl Taps {
     /// Smooths `planes`.
     pub fn smooth(&self, planes: &[impl AsRef<[f32]>]) -> Vec<Vec<f32>> {
         let planes: Vec<&[f32]> = planes.iter().map(AsRef::as_ref).collect();
-        let mut smooth = vec![vec![0.0; self.size.pixels()]; planes.len()];
+        let mut smooth = planes_of_zeros(self.size.pixels(), planes.len());
         for_each_row(&mut smooth, self.size.width, |y, smooth| {
             pulp::Arch::new().dispatch(RowTask { taps: self, planes: &planes, y, smooth });
         });

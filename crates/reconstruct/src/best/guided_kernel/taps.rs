@@ -2,7 +2,7 @@
 
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
-use stack::Size;
+use stack::{Size, planes_of_zeros};
 
 use crate::eight::{Eight, LANES};
 use crate::exp::exp_of_negative;
@@ -40,7 +40,7 @@ pub struct Separation<'a> {
 impl Taps {
     /// Taps `step` pixels apart in a picture of `size` whose pixels are told apart by `separation`.
     pub fn weighed(size: Size, separation: &Separation, step: usize) -> Self {
-        let mut weights = vec![vec![0.0; size.pixels()]; MIDDLE];
+        let mut weights = planes_of_zeros(size.pixels(), MIDDLE);
         for_each_row(&mut weights, size.width, |y, weights| {
             pulp::Arch::new().dispatch(WeightTask { size, separation, step, y, weights });
         });

@@ -114,7 +114,8 @@ fn kind_of(role: FeatureRole) -> usize {
         FeatureRole::Position | FeatureRole::Depth => PLACE,
         FeatureRole::Albedo => ALBEDO,
         FeatureRole::Normal => 2,
-        FeatureRole::Visibility => VISIBILITY,
+        // What lies next is no guide of any rival.
+        FeatureRole::Visibility | FeatureRole::Proximity | FeatureRole::Lit => VISIBILITY,
     }
 }
 

@@ -39,7 +39,7 @@ pub fn mend_role(role: Role, images: &mut [&mut Image], list: &mut Vec<Mended>) 
             smooth_over(role, images, list);
             clamp(role, images, (0.0, f32::INFINITY), list);
         }
-        Role::Feature(FeatureRole::Albedo | FeatureRole::Visibility) => {
+        Role::Feature(FeatureRole::Albedo | FeatureRole::Visibility | FeatureRole::Proximity | FeatureRole::Lit) => {
             smooth_over(role, images, list);
             clamp(role, images, (0.0, 1.0), list);
         }

@@ -60,7 +60,7 @@ impl Example {
         let exposure = exposure(&stack.components, &settings.light);
         let stack = &stack.clone().exposed(exposure);
         let references = &references.clone().map(|reference| reference.exposed(exposure));
-        let features = guide_features(stack, &settings.features, monitor)?;
+        let features = guide_features(stack, settings, monitor)?;
         let whole = whole_light(stack, references)?;
         let parts = parts_of(&whole, stack, references);
         let pixels = sampled(&unlit(stack), seed);
