@@ -78,7 +78,7 @@ pub fn weights(contest: &Contest, settings: &ChoiceSettings, chooser: Option<&Ch
     let rows = if chooser.is_some() { ROWS } else { ROWS_OF_RULE };
     for band in bands(size.height, rows, REACH) {
         let rows = |image: &Image| image_rows(image, &band.around);
-        let candidates: Vec<_> = contest.candidates.iter().map(|halves| halves.each_ref().map(rows)).collect();
+        let candidates: Vec<_> = contest.candidates.par_iter().map(|halves| halves.each_ref().map(rows)).collect();
         let (layers, features) = (contest.layers.rows(&band.around), contest.features.rows(&band.around));
         let pilot = rows(contest.pilot);
         let part = Contest { candidates: &candidates, layers: &layers, pilot: &pilot, features: &features };
@@ -138,7 +138,7 @@ fn weigh<const N: usize>(contest: &Contest, judge: &impl Judge<N>) -> Vec<Vec<f3
     let weighed = |pixels| pulp::Arch::new().dispatch(BlockTask::<_, N> { pixels, judge });
     let blocks: Vec<[Lanes; N]> = lanes_of(pixels).map(weighed).collect();
     let plane = |k: usize| blocks.iter().flat_map(|block| block[k]).take(pixels).collect();
-    (0..N).map(plane).collect()
+    (0..N).into_par_iter().map(plane).collect()
 }
 
 /// Some pixels, weighed with the widest instructions there are.

@@ -49,15 +49,16 @@ pub fn spread(events: &Events, picture: &Image, features: &GuideFeatures, settin
     let parts: Vec<(Rectangle, Vec<Vec<f32>>)> =
         tiles_of(size, TILE).par_iter().map(|tile| pulp::Arch::new().dispatch(task(tile))).collect();
     let mut spread = Spread { halves: [0, 1].map(|_| Image::zeros(size, 3)), variance: vec![0.0; size.pixels()] };
-    for (place, part) in &parts {
-        let light = spread.halves.iter_mut().flat_map(|half| half.channels_mut());
-        for (plane, part) in light.chain([&mut spread.variance]).zip(part) {
-            for (y, row) in (place.y0..place.y1).zip(part.chunks_exact(place.width())) {
+    let light = spread.halves.iter_mut().flat_map(|half| half.channels_mut());
+    let planes: Vec<&mut Vec<f32>> = light.chain([&mut spread.variance]).collect();
+    planes.into_par_iter().enumerate().for_each(|(number, plane)| {
+        for (place, part) in &parts {
+            for (y, row) in (place.y0..place.y1).zip(part[number].chunks_exact(place.width())) {
                 let to = &mut plane[size.index(place.x0, y)..][..row.len()];
                 to.iter_mut().zip(row).for_each(|(sum, v)| *sum += v);
             }
         }
-    }
+    });
     spread
 }
 

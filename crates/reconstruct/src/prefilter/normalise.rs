@@ -81,12 +81,12 @@ pub fn normalised(feature: &Feature, counts: &SampleCounts, source: VarianceSour
 /// `None` when it does not come in buckets.
 pub fn normalised_halves(feature: &Feature, counts: &SampleCounts) -> Option<[Vec<Vec<f32>>; 2]> {
     let (map, halves) = (Normalisation::of(feature), feature.estimate.halves(counts)?);
-    let limit = partial_limit(feature.role);
+    let (limit, counts) = (partial_limit(feature.role), counts.grouped(2));
     let planes = |half: usize| {
         let channels = halves[half].channels().iter().zip(feature.estimate.mean.channels()).enumerate();
         let mapped = channels.map(|(c, (part, mean))| {
-            let filled = |pixel: usize| if counts.in_group(pixel, half, 2) > 0 { part[pixel] } else { mean[pixel] };
-            let mut plane: Vec<f32> = (0..mean.len()).map(|pixel| map.within(limit, c, filled(pixel))).collect();
+            let filled = |pixel: usize| if counts.of(pixel, half) > 0 { part[pixel] } else { mean[pixel] };
+            let mut plane = plane(mean.len(), |pixel| map.within(limit, c, filled(pixel)));
             fill_unknown(&mut plane, feature.estimate.mean.size());
             plane.iter_mut().filter(|v| v.is_nan()).for_each(|v| *v = 0.0);
             plane

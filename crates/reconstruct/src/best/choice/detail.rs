@@ -1,10 +1,12 @@
 //! How much detail there is around a pixel.
 
+use rayon::prelude::*;
 use stack::{Image, Size};
 
 use super::Contest;
 use crate::box_filter::box_mean;
 use crate::ln::ln;
+use crate::per_pixel::plane;
 
 /// Planes of detail.
 pub const DETAILS: usize = 4;
@@ -19,26 +21,33 @@ pub fn details(contest: &Contest) -> [Vec<f32>; DETAILS] {
     let size = contest.pilot.size();
     let surfaces: Vec<&[f32]> = contest.features.surfaces().collect();
     let (bright, surface) = (steps(&[logarithm(contest.pilot)], size), steps(&surfaces, size));
-    let around = |plane: &[f32], radius: usize| box_mean(plane, size, radius).iter().map(|v| ln(v + LEAST)).collect();
+    let around = |steps: &[f32], radius: usize| {
+        let mean = box_mean(steps, size, radius);
+        plane(mean.len(), |pixel| ln(mean[pixel] + LEAST))
+    };
     let [near, far] = RADII;
     [around(&bright, near), around(&bright, far), around(&surface, near), around(&surface, far)]
 }
 
 fn logarithm(picture: &Image) -> Vec<f32> {
-    (0..picture.pixels()).map(|pixel| ln(picture.mean_at(pixel).max(0.0) + 0.02)).collect()
+    plane(picture.pixels(), |pixel| ln(picture.mean_at(pixel).max(0.0) + 0.02))
 }
 
 /// Σ over `planes` of how far a pixel is from those left of and above it.
 fn steps(planes: &[impl AsRef<[f32]>], size: Size) -> Vec<f32> {
+    let planes: Vec<&[f32]> = planes.iter().map(AsRef::as_ref).collect();
     let mut sums = vec![0.0; size.pixels()];
-    for plane in planes {
-        let plane = plane.as_ref();
-        for (i, sum) in sums.iter_mut().enumerate() {
-            let left = if i % size.width > 0 { i - 1 } else { i };
-            let above = i.checked_sub(size.width).unwrap_or(i);
-            *sum += (plane[i] - plane[left]).abs() + (plane[i] - plane[above]).abs();
+    sums.par_chunks_mut(size.width.max(1)).enumerate().for_each(|(y, sums)| {
+        let row = y * size.width..(y + 1) * size.width;
+        for plane in &planes {
+            let above = &plane[row.start.saturating_sub(size.width)..][..size.width];
+            let mut left = plane[row.start];
+            for ((sum, value), above) in sums.iter_mut().zip(&plane[row.clone()]).zip(above) {
+                *sum += (value - left).abs() + (value - above).abs();
+                left = *value;
+            }
         }
-    }
+    });
     sums
 }
 
