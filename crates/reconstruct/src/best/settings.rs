@@ -44,6 +44,9 @@ stack::knobs! {
         /// Share of the noise below which direct light, where it is rebuilt apart, is rebuilt with the few fits and
         /// candidates of `--preset fast`: whatever else is set of those.
         direct_fast: f32 = 0.05, 0.0..=1.0;
+        /// Widenings of the kernel by which light is given back that direct light lost, where it is rebuilt fast: with
+        /// hardly any noise little is lost, and that nearby.
+        direct_restore: usize = 2, 0..=10;
     }
 }
 
@@ -251,13 +254,8 @@ impl BestSettings {
         if share >= self.light.direct_fast {
             return self;
         }
-        let hastened = self.hastened();
-        // Hardly any noise, so hardly any light is lost, and none of it far from where it belongs.
-        Self {
-            cascade: CascadeSettings { levels: 3, ..hastened.cascade },
-            restore: RestoreSettings { levels: 2, ..hastened.restore },
-            ..hastened
-        }
+        let levels = self.light.direct_restore.min(self.restore.levels);
+        Self { restore: RestoreSettings { levels, ..self.restore }, ..self.hastened() }
     }
 
     /// The same in a fraction of the time: few fits in small windows and few candidates, mixed by the rule alone; fewer
