@@ -24,9 +24,11 @@ const RUNS: usize = 3;
 
 /// Channels of albedo, normal, position, visibility.
 const GROUPS: [usize; 4] = [3, 3, 3, 1];
-const FEATURES: usize = 10;
+/// Channels of all these, and with what paths meet next.
+const SEEN: usize = 10;
+const FEATURES: usize = SEEN + 2;
 /// What tells surfaces apart: all but visibility.
-const SURFACES: usize = 9;
+const SURFACES: usize = FEATURES - 1;
 /// Multiply-adds of an exponential.
 const EXPONENTIAL: usize = 9;
 
@@ -42,14 +44,14 @@ struct Work {
 fn works(settings: &BestSettings) -> [Work; 7] {
     let [candidates, kernels] = [6, 4];
     let fit = &settings.regression;
-    let first = collaborative([fit.first_radius, 2], fit.stride, 2, 1, 3);
+    let first = collaborative([fit.first_radius, 2], fit.stride, [2, 1], [FEATURES, 3]);
     let tiny = fit.second_radius.min((4.3 * fit.tiny_sigma).ceil() as usize);
-    let second = collaborative([fit.second_radius, 1], fit.stride, 1, kernels, 6)
-        + collaborative([tiny, 1], fit.stride, 1, 1, 6);
+    let second = collaborative([fit.second_radius, 1], fit.stride, [1, kernels], [FEATURES, 6])
+        + collaborative([tiny, 1], fit.stride, [1, 1], [FEATURES, 6]);
     let work = |stage, numbers, multiply_adds| Work { stage, numbers, multiply_adds };
-    let halves = 6;
+    let (halves, halves_and_mean) = (6, 3);
     [
-        work("prefilter", FEATURES * (BUCKETS + 1) + FEATURES, Some(prefilter(settings))),
+        work("prefilter", FEATURES * (halves_and_mean + 1), Some(prefilter(settings))),
         work("spikes", 3 * BUCKETS + 17, None),
         work("first pass", FEATURES + halves + 3 + 1 + halves, Some(first)),
         work("spread", 8 + SURFACES + 3 + 7, None),
@@ -59,19 +61,26 @@ fn works(settings: &BestSettings) -> [Work; 7] {
     ]
 }
 
-/// Non-local means: distances of all channels, their sums over patches, an exponential, and the weighted sums.
+/// Non-local means: distances of all channels, their sums over patches, an exponential, and the weighted sums; and the fits
+/// of what paths meet next, at every sixth pixel in windows of 19×19.
 fn prefilter(settings: &BestSettings) -> usize {
     let [window, patch] = [settings.features.radius, settings.features.patch_radius].map(|radius| 2 * radius + 1);
     let of_group = |channels: usize| 4 * channels + 2 * patch + EXPONENTIAL + 1 + channels;
     window * window * GROUPS.map(of_group).iter().sum::<usize>()
+        + collaborative([9, 2], 6, [2, 1], [SEEN, FEATURES - SEEN])
 }
 
 /// Fits on the lattice alone: for each of the `guides`, distances to the window's pixels over patches of some `patch`
-/// radius, and for each of the `kernels` weights, moments and predictions of a fit with some `responses`.
-fn collaborative([radius, patch]: [usize; 2], stride: usize, guides: usize, kernels: usize, responses: usize) -> usize {
+/// radius, and for each of the `kernels` weights, moments and predictions of a fit of some `responses` on some `features`.
+fn collaborative(
+    [radius, patch]: [usize; 2],
+    stride: usize,
+    [guides, kernels]: [usize; 2],
+    [features, responses]: [usize; 2],
+) -> usize {
     let [window, patch] = [radius, patch].map(|radius| (2 * radius + 1).pow(2));
-    let moments = FEATURES + (FEATURES + responses) + FEATURES * (FEATURES + 1) / 2 + FEATURES * responses;
-    let fit = window * (EXPONENTIAL + moments + responses * (FEATURES + 1));
+    let moments = features + (features + responses) + features * (features + 1) / 2 + features * responses;
+    let fit = window * (EXPONENTIAL + moments + responses * (features + 1));
     guides * (kernels * fit + window * patch * 9) / (stride * stride)
 }
 
