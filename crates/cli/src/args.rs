@@ -167,9 +167,9 @@ pub struct RenderArgs {
 #[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "Reading")]
 pub struct ReadingArgs {
-    /// What a layer is: a role (colour, emission, position, albedo, normal, visibility, depth, proximity,
-    /// lit, alpha, samples), perhaps
-    /// with -variance, -a or -b, and the layer's name; `none` where there is nothing. May be given more than once.
+    /// What a layer is: a role (colour, emission, position, albedo, normal, visibility, depth, proximity, lit, alpha,
+    /// samples), perhaps with -variance, -a or -b, and the layer's name; `none` where there is nothing. May be given more
+    /// than once.
     #[arg(long, value_name = "ROLE=LAYER", value_parser = mapping)]
     pub map: Vec<Mapping>,
     /// Samples per pixel, where the files do not say or are wrong; of each half or bucket, or of all.
@@ -213,9 +213,8 @@ pub struct DenoiseArgs {
     /// Of several stacks, leave out those whose output is there already.
     #[arg(long)]
     pub resume: bool,
-    /// What must be there, comma-separated: roles (position, albedo, normal, visibility, depth, proximity, lit,
-    /// emission, alpha, samples),
-    /// `noise` (something is known about the colour's), `variance` or `buckets` (what).
+    /// What must be there, comma-separated: roles (position, albedo, normal, visibility, depth, proximity, lit, emission,
+    /// alpha, samples), `noise` (something is known about the colour's), `variance` or `buckets` (what).
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub require: Vec<String>,
     /// Another denoiser's picture of the same stack (.exr, .pfm), mixed in where it is likely to be nearer to the truth.

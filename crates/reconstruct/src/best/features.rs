@@ -55,7 +55,8 @@ impl GuideFeatures {
     }
 }
 
-/// The features of `stack`, each group filtered by itself, and those of the next surface by the others. Reports the stage `prefilter`.
+/// The features of `stack`, each group filtered by itself, and those of the next surface by the others. Reports the stage
+/// `prefilter`.
 ///
 /// # Errors
 /// When there is no feature, one has a wrong shape, or `monitor` cancels.
