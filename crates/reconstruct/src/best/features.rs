@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use rayon::prelude::*;
-use stack::{Cancelled, Feature, FeatureRole, FeatureStack, Monitor, SampleCounts, Size};
+use stack::{Cancelled, Feature, FeatureRole, FeatureStack, Image, Monitor, SampleCounts, Size};
 
 use super::next_surface::rebuilt_next_surface;
 use super::settings::{BestSettings, FeatureSettings};
@@ -16,7 +16,7 @@ use crate::prefilter::{FeatureSet, PrefilterError, VarianceSource, check, guides
 use crate::variance::smoothed;
 
 /// Added to every variance: differences below its root are averaged away even where there is no noise.
-pub const LEAST_VARIANCE: f32 = 1e-6;
+const LEAST_VARIANCE: f32 = 1e-6;
 
 /// Features that explain a picture, and those among them that tell surfaces apart.
 #[derive(Clone, Debug, PartialEq)]
@@ -96,6 +96,13 @@ pub fn natural_scale(role: FeatureRole) -> f32 {
     if role == FeatureRole::Normal { 1.0 } else { 0.5 }
 }
 
+/// The `variance` of a feature on its natural `scale`, smoothed. `None` where nothing is known of it.
+pub fn natural_variances(variance: &Image, scale: f32, settings: &FeatureSettings) -> Option<Vec<Vec<f32>>> {
+    let mut variances = smoothed(variance, settings.variance_radius)?.into_channels();
+    variances.par_iter_mut().flatten().for_each(|v| *v = scale * scale * *v + LEAST_VARIANCE);
+    Some(variances)
+}
+
 fn filtered(
     feature: &Feature,
     counts: &SampleCounts,
@@ -106,13 +113,11 @@ fn filtered(
     let normal = normalised(feature, counts, VarianceSource::Buckets);
     let mut planes = normal.planes;
     planes.par_iter_mut().flatten().for_each(|v| *v *= scale);
-    let variance = normal.variance.and_then(|variance| smoothed(&variance, settings.variance_radius));
-    let Some(variance) = variance else {
+    let variances = normal.variance.and_then(|variance| natural_variances(&variance, scale, settings));
+    let Some(variances) = variances else {
         monitor.advance(units(feature.estimate.mean.size()));
         return Ok(planes);
     };
-    let mut variances = variance.into_channels();
-    variances.par_iter_mut().flatten().for_each(|v| *v = scale * scale * *v + LEAST_VARIANCE);
     let guide = Guide {
         planes: NoisyPlanes { size: feature.estimate.mean.size(), values: &planes, variances: &variances },
         comparison: Comparison { patch_radius: settings.patch_radius, epsilon: 1e-8, noise_taken_off: 1.0 },

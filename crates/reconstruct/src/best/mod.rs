@@ -12,6 +12,7 @@ mod alone;
 mod cascade;
 mod choice;
 mod clouds;
+mod crossed;
 mod error;
 mod features;
 mod first_pass;

@@ -1,14 +1,14 @@
 //! Where paths go on from the feature hit, as features: how near the next surface lies, and whether light reaches it. In
 //! corners and under tables they tell what indirect light does, where nothing else changes.
 
-use stack::{Cancelled, Feature, Monitor, SampleCounts};
+use stack::{Cancelled, Feature, Image, Monitor, SampleCounts};
 
-use super::features::{LEAST_VARIANCE, natural_scale};
-use super::settings::BestSettings;
-use crate::collaborative::{Fitted, Guides, Kernel, Ridge, collaborate, units};
-use crate::patch_distance::Comparison;
+use super::crossed::Crossed;
+use super::features::{natural_scale, natural_variances};
+use super::halves::mean_of;
+use super::settings::{BestSettings, FitSettings};
+use crate::per_pixel::plane;
 use crate::prefilter::{FeatureSet, VarianceSource, normalised, normalised_halves};
-use crate::variance::smoothed;
 
 /// Distance between fits, what a pixel needs of them lest it gets one of its own, and the radius of their windows: what
 /// is only a feature may be rebuilt with a quarter of the fits.
@@ -36,37 +36,21 @@ pub fn rebuilt_next_surface(
     let of_half = |half: usize| noisy.iter().flat_map(|noisy| noisy.halves[half].clone()).collect::<Vec<_>>();
     let halves = [of_half(0), of_half(1)];
     let variances: Vec<Vec<f32>> = noisy.into_iter().flat_map(|noisy| noisy.variances).collect();
-    let share = 1.0 / variances.len() as f32;
-    let noise: Vec<f32> = (0..others.size.pixels())
-        .map(|pixel| share * variances.iter().map(|plane| plane[pixel]).sum::<f32>())
-        .collect();
-    let responses = halves.each_ref().map(|half| half.iter().map(Vec::as_slice).collect::<Vec<_>>());
-    let fit = &settings.regression;
-    let fitted = Fitted {
-        features: &others.planes,
-        responses: &[&responses[0], &responses[1]],
-        importance: None,
-        noise: &noise,
-        ridge: Ridge { least: fit.ridge, per_noise: fit.ridge_noise },
+    let (size, share) = (others.size, 1.0 / variances.len() as f32);
+    let noise = plane(size.pixels(), |pixel| share * variances.iter().map(|plane| plane[pixel]).sum::<f32>());
+    let halves = halves.each_ref().map(Vec::as_slice);
+    let crossed =
+        Crossed { size, features: &others.planes, halves, variances: &variances, noise: &noise, importance: None };
+    let settings = FitSettings {
         stride: STRIDE,
         covered: COVERED,
+        first_radius: RADIUS,
+        first_bandwidth: settings.features.next_bandwidth,
+        ..settings.regression
     };
-    let guides = Guides {
-        size: others.size,
-        values: &[&halves[1], &halves[0]],
-        variances: &variances,
-        comparison: Comparison { patch_radius: 2, epsilon: 1e-8, noise_taken_off: 1.0 },
-        radius: RADIUS,
-    };
-    let kernel = Kernel { bandwidth: settings.features.next_bandwidth, sigma: f32::INFINITY };
-    monitor.begin("prefilter", units(others.size, STRIDE, COVERED));
-    let predicted = collaborate(&fitted, &guides, &[kernel], monitor)?;
-    let mut halves = predicted.into_iter().flatten();
-    Ok(halves.next().zip(halves.next()).map(|(mut mean, other)| {
-        let values = mean.iter_mut().flatten().zip(other.iter().flatten());
-        values.for_each(|(a, b)| *a = 0.5 * (*a + b));
-        mean
-    }))
+    let fitted = crossed.fit(halves, &settings, "prefilter", monitor)?;
+    let mut fitted = fitted.into_iter().map(|planes| Image::from_channels(size, planes));
+    Ok(fitted.next().zip(fitted.next()).map(|(a, b)| mean_of(&[a, b]).into_channels()))
 }
 
 /// Both halves of a feature on its natural scale, and their variance.
@@ -81,9 +65,7 @@ impl Noisy {
         let mut halves = normalised_halves(feature, counts)?;
         halves.iter_mut().flatten().flatten().for_each(|v| *v *= scale);
         let variance = normalised(feature, counts, VarianceSource::Buckets).variance?;
-        let mut variances = smoothed(&variance, settings.features.variance_radius)?.into_channels();
-        variances.iter_mut().flatten().for_each(|v| *v = scale * scale * *v + LEAST_VARIANCE);
-        Some(Self { halves, variances })
+        Some(Self { halves, variances: natural_variances(&variance, scale, &settings.features)? })
     }
 }
 
