@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::Result;
 use serde_json::{Value, json};
 use stack::file::{Inputs, ReadStack, Source, extension, is_one_stack, read_inputs};
-use stack::{Estimate, INDIRECT, Noise};
+use stack::{Estimate, GATHERED, INDIRECT, Noise};
 use tracer::material::Surface;
 use tracer::scene::{Loaded, load};
 
@@ -90,6 +90,7 @@ fn describe_stack(file: &str, read: &ReadStack) -> Value {
         "spp": read.found.spp.as_ref().map(|spp| json!({"mean": spp.mean, "min": spp.min, "max": spp.max})),
         "found": read.found,
         "components": stack.components.iter().map(|c| estimate(c.role.layer(), &c.radiance)).collect::<Vec<_>>(),
+        "gathered": stack.gathered.as_ref().map(|gathered| estimate(GATHERED, gathered)),
         "indirect": stack.indirect.as_ref().map(|indirect| estimate(INDIRECT, indirect)),
         "features": stack.features.iter().map(|f| estimate(f.role.layer(), &f.estimate)).collect::<Vec<_>>(),
         "passthrough": stack.passthrough.iter().map(|c| c.name.clone()).collect::<Vec<_>>(),

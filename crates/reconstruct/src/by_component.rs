@@ -2,13 +2,13 @@
 
 use std::borrow::Cow;
 
-use stack::{Component, ComponentRole, Estimate, FeatureStack, Image, Monitor};
+use stack::{Component, ComponentRole, FeatureStack, Image, Monitor};
 
 use crate::best::{Chooser, Extras, GuideFeatures, Workshop};
 use crate::components::{is_lit, variance_of};
 use crate::emission::rebuild_emission;
 use crate::exposure::Exposed;
-use crate::indirect::{direct_share_of_noise, is_part_of, parts};
+use crate::indirect::IndirectLight;
 use crate::reconstruction::{ReconstructError, Reconstruction};
 use crate::{Settings, best};
 
@@ -44,7 +44,7 @@ impl<'a> Collaborative<'a> {
     pub fn rebuilt(
         &self,
         component: Cow<'_, Component>,
-        indirect: Option<Cow<'_, Estimate>>,
+        indirect: Option<IndirectLight>,
         monitor: &dyn Monitor,
     ) -> Result<Reconstruction, ReconstructError> {
         let Self { workshop, exposure, .. } = *self;
@@ -54,26 +54,27 @@ impl<'a> Collaborative<'a> {
         };
         let extras = Extras { passes: &passes, ..workshop.extras };
         let bright = Collaborative { workshop: Workshop { extras, ..workshop }, ..*self };
-        let indirect = indirect.map(|indirect| indirect.exposed(exposure));
-        Ok(bright.rebuilt_as_it_is(component.exposed(exposure), indirect, monitor)?.exposed(1.0 / exposure))
+        let rebuilt = match indirect.filter(|indirect| self.is_known_apart(indirect, &component)) {
+            None => bright.rebuilt_whole(component.exposed(exposure), monitor),
+            Some(indirect) => bright.with_indirect(indirect, component, monitor),
+        };
+        Ok(rebuilt?.exposed(1.0 / exposure))
     }
 
-    fn rebuilt_as_it_is(
+    /// A component whose `indirect` light is known.
+    fn with_indirect(
         &self,
+        indirect: IndirectLight,
         component: Cow<'_, Component>,
-        indirect: Option<Cow<'_, Estimate>>,
         monitor: &dyn Monitor,
     ) -> Result<Reconstruction, ReconstructError> {
-        let Some(indirect) = indirect.filter(|indirect| self.may_be_apart(indirect, &component)) else {
-            return self.rebuilt_whole(component, monitor);
-        };
-        let Workshop { stack, features, settings, .. } = self.workshop;
-        let share = direct_share_of_noise(&indirect, &component.radiance, &stack.samples);
-        if share >= settings.light.direct_noise {
-            drop(indirect);
-            return self.rebuilt_whole(component, monitor);
+        let Self { workshop: Workshop { stack, features, settings, .. }, exposure, .. } = *self;
+        let share = indirect.direct_share_of_noise(&component.radiance, &stack.samples, exposure);
+        if !settings.light.apart || share >= settings.light.direct_noise {
+            return self.rebuilt_whole(indirect.within(component).exposed(exposure), monitor);
         }
-        let [direct, indirect] = parts(component.into_owned(), indirect.into_owned());
+        let parts = indirect.parts(component.into_owned());
+        let [direct, indirect] = parts.map(|part| part.exposed(exposure));
         let mut sum = Reconstruction::plain(Image::zeros(stack.size(), 3));
         if is_lit(&direct) {
             let settings = settings.for_direct_light(share);
@@ -89,10 +90,9 @@ impl<'a> Collaborative<'a> {
         Ok(sum)
     }
 
-    /// Whether `indirect` light can be rebuilt by itself, and it is asked for. Passes need the weights of the whole.
-    fn may_be_apart(&self, indirect: &Estimate, component: &Component) -> bool {
-        let Workshop { settings, extras, .. } = self.workshop;
-        settings.light.apart && extras.passes.is_empty() && is_part_of(indirect, &component.radiance)
+    /// Whether `indirect` light can be told from the rest. Passes need the weights of the whole as it was found.
+    fn is_known_apart(&self, indirect: &IndirectLight, component: &Component) -> bool {
+        self.workshop.extras.passes.is_empty() && indirect.is_part_of(&component.radiance)
     }
 
     fn rebuilt_whole(

@@ -96,7 +96,8 @@ impl<T: Exposed + Clone> Exposed for Cow<'_, T> {
 impl Exposed for FeatureStack {
     fn exposed(self, factor: f32) -> Self {
         let components = self.components.into_iter().map(|component| component.exposed(factor)).collect();
-        Self { components, indirect: self.indirect.map(|indirect| indirect.exposed(factor)), ..self }
+        let [indirect, gathered] = [self.indirect, self.gathered].map(|light| light.map(|light| light.exposed(factor)));
+        Self { components, indirect, gathered, ..self }
     }
 }
 

@@ -1,10 +1,13 @@
 //! Direct and indirect light apart. Shadows end where indirect light goes on, and its noise is of another kind: each
 //! part is rebuilt better by itself than both together, where direct light has little noise.
 
-use stack::{Component, Estimate, Image, Noise, SampleCounts};
+use std::borrow::Cow;
+
+use stack::{Component, Estimate, FeatureStack, Image, Noise, SampleCounts};
 
 use crate::best::halves::luminance;
 use crate::box_filter::box_mean;
+use crate::exposure::Exposed;
 
 /// Whether `indirect` can be taken off `whole`: both come in as many buckets.
 pub fn is_part_of(indirect: &Estimate, whole: &Estimate) -> bool {
@@ -14,10 +17,68 @@ pub fn is_part_of(indirect: &Estimate, whole: &Estimate) -> bool {
     }
 }
 
-/// Direct light, which is the `whole` without its `indirect` light, and that.
-pub fn parts(whole: Component, indirect: Estimate) -> [Component; 2] {
-    let of = |radiance| Component { role: whole.role, radiance };
-    [of(without(whole.radiance, &indirect)), of(indirect)]
+/// Indirect light of a component.
+pub struct IndirectLight<'a> {
+    /// As paths found it.
+    found: Cow<'a, Estimate>,
+    /// With less noise, where a stack knows it so.
+    gathered: Option<Cow<'a, Estimate>>,
+}
+
+impl<'a> IndirectLight<'a> {
+    /// That of `stack`; as gathered if that is `wanted`.
+    pub fn of(stack: &'a FeatureStack, wanted: bool) -> Option<Self> {
+        let gathered = stack.gathered.as_ref().filter(|_| wanted).map(Cow::Borrowed);
+        Some(Self { found: Cow::Borrowed(stack.indirect.as_ref()?), gathered })
+    }
+
+    /// The same, taken out of `stack`.
+    pub fn taken_from(stack: &mut FeatureStack, wanted: bool) -> Option<Self> {
+        let gathered = stack.gathered.take().filter(|_| wanted).map(Cow::Owned);
+        Some(Self { found: Cow::Owned(stack.indirect.take()?), gathered })
+    }
+
+    /// Whether it can be taken off `whole`.
+    pub fn is_part_of(&self, whole: &Estimate) -> bool {
+        [Some(&self.found), self.gathered.as_ref()].into_iter().flatten().all(|light| is_part_of(light, whole))
+    }
+
+    /// The share of the noise of `whole` that is direct light's, this being as paths found it: variances of the mean over
+    /// RGB, each relative to the squared luminance L² + 0.001 of 5×5 pixels, all made `exposure` times as bright, averaged
+    /// over the picture. Zero where there is no noise.
+    pub fn direct_share_of_noise(&self, whole: &Estimate, counts: &SampleCounts, exposure: f32) -> f32 {
+        let [indirect, whole] = [&self.found, whole].map(|light| grey(light).exposed(exposure));
+        let size = whole.mean.size();
+        let around = box_mean(&whole.mean.channels()[0], size, 2);
+        let relative_noise = |light: &Estimate| {
+            let variance = light.variance_of_mean(counts).unwrap_or_else(|| Image::zeros(size, 1));
+            let relative = variance.channels()[0].iter().zip(&around).map(|(v, l)| f64::from(v / (l * l + 1e-3)));
+            relative.filter(|v| !v.is_nan()).sum::<f64>()
+        };
+        let of_indirect = relative_noise(&indirect);
+        let of_direct = relative_noise(&without(whole, &indirect));
+        if of_direct > 0.0 { (of_direct / (of_direct + of_indirect)) as f32 } else { 0.0 }
+    }
+
+    /// Direct light, which is the `whole` without indirect light, and that as it is best known.
+    pub fn parts(self, whole: Component) -> [Component; 2] {
+        let of = |radiance| Component { role: whole.role, radiance };
+        let direct = without(whole.radiance, &self.found);
+        [of(direct), of(self.gathered.unwrap_or(self.found).into_owned())]
+    }
+
+    /// The `whole` with this light as it is best known.
+    pub fn within(self, whole: Cow<'_, Component>) -> Cow<'_, Component> {
+        if self.gathered.is_none() {
+            return whole;
+        }
+        let [Component { role, mut radiance }, indirect] = self.parts(whole.into_owned());
+        radiance.mean.add(&indirect.radiance.mean);
+        if let (Noise::Buckets(buckets), Noise::Buckets(indirect)) = (&mut radiance.noise, &indirect.radiance.noise) {
+            buckets.iter_mut().zip(indirect).for_each(|(bucket, indirect)| bucket.add(indirect));
+        }
+        Cow::Owned(Component { role, radiance })
+    }
 }
 
 fn without(mut whole: Estimate, indirect: &Estimate) -> Estimate {
@@ -26,22 +87,6 @@ fn without(mut whole: Estimate, indirect: &Estimate) -> Estimate {
         buckets.iter_mut().zip(indirect).for_each(|(bucket, indirect)| take_off(bucket, indirect));
     }
     whole
-}
-
-/// The share of the noise of `whole` that is not that of its `indirect` light: variances of the mean over RGB, each
-/// relative to the squared luminance L² + 0.001 of 5×5 pixels, averaged over the picture. Zero where there is no noise.
-pub fn direct_share_of_noise(indirect: &Estimate, whole: &Estimate, counts: &SampleCounts) -> f32 {
-    let [indirect, whole] = [indirect, whole].map(grey);
-    let size = whole.mean.size();
-    let around = box_mean(&whole.mean.channels()[0], size, 2);
-    let relative_noise = |light: &Estimate| {
-        let variance = light.variance_of_mean(counts).unwrap_or_else(|| Image::zeros(size, 1));
-        let relative = variance.channels()[0].iter().zip(&around).map(|(v, l)| f64::from(v / (l * l + 1e-3)));
-        relative.filter(|v| !v.is_nan()).sum::<f64>()
-    };
-    let of_indirect = relative_noise(&indirect);
-    let of_direct = relative_noise(&without(whole, &indirect));
-    if of_direct > 0.0 { (of_direct / (of_direct + of_indirect)) as f32 } else { 0.0 }
 }
 
 /// Means over RGB.
@@ -120,7 +165,10 @@ mod tests {
     #[test]
     fn noise_is_shared_as_variances_are() {
         let [both, ..] = stacks([10, 20]);
-        let share = |indirect: &Estimate| direct_share_of_noise(indirect, &both.components[0].radiance, &both.samples);
+        let share = |indirect: &Estimate| {
+            let indirect = IndirectLight { found: Cow::Borrowed(indirect), gathered: None };
+            indirect.direct_share_of_noise(&both.components[0].radiance, &both.samples, 1.0)
+        };
         let found = share(both.indirect.as_ref().unwrap());
         assert!((found * 17.0 - 1.0).abs() < 0.2, "{found}");
         let mut dark = both.indirect.clone().unwrap();
@@ -128,6 +176,23 @@ mod tests {
         buckets.iter_mut().chain([&mut dark.mean]).for_each(|image| *image = Image::zeros(SIZE, 3));
         assert_eq!(share(&dark), 1.0);
         assert_eq!(share(&both.components[0].radiance), 0.0);
+    }
+
+    #[test]
+    fn gathered_light_takes_the_place_of_what_paths_found() {
+        let [mut both, _, indirect] = stacks([10, 20]);
+        let without = picture(&both, alone());
+        let mut noise = TestNoise(19);
+        let clean = image(SIZE, |x, _, _| if x < 20 { 1.0 } else { 0.5 });
+        let buckets = [(); 8].map(|()| with_noise(&clean, 0.1, &mut noise)).to_vec();
+        both.gathered = Some(component(buckets, &indirect.samples).radiance);
+        assert_eq!(picture(&both, LightSettings { gathered: false, ..alone() }), without);
+        let whole = image(SIZE, |x, _, _| clean.channels()[0][x] + if x < 10 { 1.0 } else { 0.5 });
+        let noisy = error(&without, &whole);
+        for apart in [true, false] {
+            let gathered = error(&picture(&both, LightSettings { apart, ..alone() }), &whole);
+            assert!(gathered < 0.5 * noisy, "{apart}: {gathered} {noisy}");
+        }
     }
 
     #[test]

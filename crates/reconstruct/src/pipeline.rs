@@ -10,6 +10,7 @@ use crate::completion::{Completed, complete};
 use crate::components::{is_lit, sum_of_components, variance_of};
 use crate::emission::{rebuild_emission, with_emission_apart};
 use crate::exposure::exposure;
+use crate::indirect::IndirectLight;
 use crate::method::Method;
 use crate::network::WeightsError;
 use crate::prefilter::{FeatureSet, prefilter};
@@ -90,7 +91,7 @@ pub fn reconstruct_freeing(
     let rebuilt = match made_up {
         None => freeing(stack, settings, extras, monitor)?,
         Some(mut completed) => {
-            (stack.components, stack.indirect, stack.features) = Default::default();
+            (stack.components, stack.indirect, stack.gathered, stack.features) = Default::default();
             freeing(&mut completed, settings, extras, monitor)?
         }
     };
@@ -106,7 +107,7 @@ fn freeing(
     let features = best::guide_features(stack, &settings.best, monitor)?;
     stack.features.clear();
     let mut components = std::mem::take(&mut stack.components);
-    let mut indirect = stack.indirect.take();
+    let mut indirect = IndirectLight::taken_from(stack, settings.best.light.gathered);
     let chooser = chooser(settings)?;
     let exposure = exposure(&components, &settings.best.light);
     let task = Collaborative::new(stack, &features, settings, chooser.as_ref(), extras, exposure)?;
@@ -115,7 +116,7 @@ fn freeing(
     while let Some(component) = components.pop() {
         if is_lit(&component) {
             let indirect = if component.role == ComponentRole::Scattered { indirect.take() } else { None };
-            sum.add(task.rebuilt(Cow::Owned(component), indirect.map(Cow::Owned), monitor)?);
+            sum.add(task.rebuilt(Cow::Owned(component), indirect, monitor)?);
         }
     }
     Ok(sum)
@@ -153,8 +154,9 @@ fn collaborative(
     let exposure = exposure(&stack.components, &settings.best.light);
     let task = Collaborative::new(stack, &features, settings, chooser, extras, exposure)?;
     sum_of_components(stack.size(), &stack.components, |component| {
-        let indirect = stack.indirect.as_ref().filter(|_| component.role == ComponentRole::Scattered);
-        task.rebuilt(Cow::Borrowed(component), indirect.map(Cow::Borrowed), monitor)
+        let is_scattered = component.role == ComponentRole::Scattered;
+        let indirect = IndirectLight::of(stack, settings.best.light.gathered).filter(|_| is_scattered);
+        task.rebuilt(Cow::Borrowed(component), indirect, monitor)
     })
 }
 

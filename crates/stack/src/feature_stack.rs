@@ -30,6 +30,8 @@ impl ComponentRole {
 
 /// Name of the layer of indirect light in a file.
 pub const INDIRECT: &str = "indirect";
+/// Name of the layer of gathered light in a file.
+pub const GATHERED: &str = "gathered";
 
 /// One summand of the picture, reconstructed by itself. Three channels of linear radiance, ≥ 0.
 #[derive(Clone, Debug, PartialEq)]
@@ -118,6 +120,9 @@ pub struct FeatureStack {
     /// Part of what is scattered: what arrived at the surface of the features from other surfaces, not from a lamp or
     /// the sky. In as many buckets; `None` where a renderer does not keep it apart.
     pub indirect: Option<Estimate>,
+    /// The same light with less noise: what leaves the surfaces it came from is the mean over all paths that met them
+    /// nearby. On average as bright over the picture, but not to the last detail. In as many buckets.
+    pub gathered: Option<Estimate>,
     /// Auxiliary images, in the order of [`FeatureRole::ALL`].
     pub features: Vec<Feature>,
     /// Layers nobody here interprets, carried along.
@@ -143,13 +148,13 @@ impl FeatureStack {
     pub fn bytes(&self) -> usize {
         let components = self.components.iter().map(|component| &component.radiance);
         let features = self.features.iter().map(|feature| &feature.estimate);
-        let estimates = components.chain(&self.indirect).chain(features);
+        let estimates = components.chain(&self.indirect).chain(&self.gathered).chain(features);
         estimates.map(Estimate::bytes).sum::<usize>() + self.samples.bytes() + self.passed_through_bytes()
     }
 
-    /// Those of them that stay until the picture is rebuilt: indirect light, and what nobody here interprets.
+    /// Those of them that stay until the picture is rebuilt: indirect and gathered light, and what nobody here interprets.
     pub fn staying_bytes(&self) -> usize {
-        self.indirect.as_ref().map_or(0, Estimate::bytes) + self.passed_through_bytes()
+        self.indirect.iter().chain(&self.gathered).map(Estimate::bytes).sum::<usize>() + self.passed_through_bytes()
     }
 
     fn passed_through_bytes(&self) -> usize {

@@ -17,7 +17,7 @@ mod samples;
 
 pub use estimate::{Estimate, Noise};
 pub use fault::Fault;
-pub use feature_stack::{Component, ComponentRole, Feature, FeatureRole, FeatureStack, INDIRECT};
+pub use feature_stack::{Component, ComponentRole, Feature, FeatureRole, FeatureStack, GATHERED, INDIRECT};
 pub use file::Passthrough;
 pub use image::{Image, Size, Window, planes_of_zeros};
 pub use knob::{Knob, KnobError, KnobValue, Knobs, flag_name, read_knob};

@@ -222,42 +222,44 @@ impl State<'_> {
     }
 
     fn note(&mut self, estimated_rmse: Option<f64>) {
-        self.rounds.push(Round {
-            spp: self.report.samples as f64 / self.pixels() as f64,
-            estimated_rmse,
-            seconds: self.start.elapsed().as_secs_f64(),
-        });
+        self.rounds.push(round(&self.report, self.pixels(), self.start, estimated_rmse));
     }
 
-    fn finish(mut self, interrupted: bool, rebuild: bool) -> Result<Finished> {
-        let stack = self.film.to_stack();
+    fn finish(self, interrupted: bool, rebuild: bool) -> Result<Finished> {
+        let pixels = self.pixels();
+        let Self { sampling, film, budget, start, report, mut rounds } = self;
         let mut finished = Finished {
+            stack: film.into_stack(),
             reconstruction: None,
             rounds: Vec::new(),
-            samples: self.report.samples,
-            rays: self.report.rays,
-            not_finite: self.report.not_finite,
+            samples: report.samples,
+            rays: report.rays,
+            not_finite: report.not_finite,
             interrupted,
             missed_target: false,
-            stack,
         };
         if rebuild && !interrupted {
-            match reconstruct(&finished.stack, &self.sampling.settings.reconstruction, self.sampling.progress) {
+            match reconstruct(&finished.stack, &sampling.settings.reconstruction, sampling.progress) {
                 Ok(reconstruction) => {
                     let error = estimated_rmse(&reconstruction.mse, &reconstruction.picture);
-                    self.note(Some(error));
-                    finished.missed_target = self.budget.target_error.is_some() && !self.good_enough(Some(error));
+                    rounds.push(round(&report, pixels, start, Some(error)));
+                    finished.missed_target = budget.target_error.is_some_and(|target| error > f64::from(target));
                     finished.reconstruction = Some(reconstruction);
                 }
                 Err(ReconstructError::Cancelled(_)) => finished.interrupted = true,
                 Err(error) => return Err(error.into()),
             }
         }
-        finished.rounds = self.rounds;
+        finished.rounds = rounds;
         Ok(finished)
     }
 }
 
+/// What there is now.
+fn round(report: &TraceReport, pixels: u64, start: Instant, estimated_rmse: Option<f64>) -> Round {
+    let seconds = start.elapsed().as_secs_f64();
+    Round { spp: report.samples as f64 / pixels as f64, estimated_rmse, seconds }
+}
 fn is_cancelled(error: &anyhow::Error) -> bool {
     let in_reconstruction = || matches!(error.downcast_ref(), Some(ReconstructError::Cancelled(_)));
     error.is::<stack::Cancelled>() || in_reconstruction()

@@ -32,6 +32,8 @@ stack::knobs! {
         /// Whether direct and indirect light are rebuilt apart, where a stack keeps them apart: their borders lie
         /// elsewhere. It takes up to twice the time.
         apart: bool = true, ..;
+        /// Whether indirect light is taken as it was gathered, where a stack knows it so: with less noise.
+        gathered: bool = true, ..;
         /// Weight of a difference in the logarithm of the rebuilt direct light against one in features, where indirect
         /// light is rebuilt apart; 0 leaves it to visibility.
         direct_guide: f32 = 0.3, 0.0..=100.0;

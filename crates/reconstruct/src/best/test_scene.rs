@@ -102,6 +102,7 @@ pub fn stack_of(clean: &Image, seed: u64) -> FeatureStack {
         film: size,
         components,
         indirect: None,
+        gathered: None,
         features: wall_features(size, &counts, &mut noise),
         samples: counts,
         passthrough: Vec::new(),

@@ -104,6 +104,7 @@ mod tests {
             samples,
             components: components(radiance),
             indirect: None,
+            gathered: None,
             features,
             passthrough,
         }

@@ -117,6 +117,7 @@ fn stack() -> FeatureStack {
         film: SIZE,
         components: vec![Component { role: ComponentRole::Scattered, radiance }],
         indirect: None,
+        gathered: None,
         samples,
         features,
         passthrough: Vec::new(),

@@ -235,6 +235,7 @@ mod tests {
             samples,
             components: Vec::new(),
             indirect: None,
+            gathered: None,
             features,
             passthrough: Vec::new(),
         }

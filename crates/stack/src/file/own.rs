@@ -7,7 +7,7 @@ use super::role::Role;
 use super::write::{SAMPLES, bucket_layer, input_layers};
 use super::{FileError, Layers, ReadStack, StackHeader};
 use crate::{
-    Component, ComponentRole, Dealing, Estimate, Feature, FeatureRole, FeatureStack, INDIRECT, Image, Noise,
+    Component, ComponentRole, Dealing, Estimate, Feature, FeatureRole, FeatureStack, GATHERED, INDIRECT, Image, Noise,
     SampleCounts,
 };
 
@@ -40,7 +40,8 @@ pub fn read_own(mut layers: Layers, header: StackHeader) -> Result<ReadStack, Fi
     if components.is_empty() {
         return Err(missing("colour", "noisy.R noisy.G noisy.B and their buckets", &layers));
     }
-    let indirect = take_estimate(&mut layers, INDIRECT, &["R", "G", "B"], header.buckets as usize, &samples);
+    let [indirect, gathered] = [INDIRECT, GATHERED]
+        .map(|layer| take_estimate(&mut layers, layer, &["R", "G", "B"], header.buckets as usize, &samples));
     let mut features = Vec::new();
     for role in FeatureRole::ALL {
         let many = layers.has(&format!("{}.bucket0.{}", role.layer(), role.channels()[0]));
@@ -53,7 +54,7 @@ pub fn read_own(mut layers: Layers, header: StackHeader) -> Result<ReadStack, Fi
         |name: &str| RESULTS.iter().any(|r| if r.ends_with('.') { name.starts_with(r) } else { name == *r });
     layers.channels.retain(|channel| !is_result(&channel.name));
     let Layers { window, film, channels: passthrough, carried, .. } = layers;
-    let stack = FeatureStack { window, film, samples, components, indirect, features, passthrough };
+    let stack = FeatureStack { window, film, samples, components, indirect, gathered, features, passthrough };
     let found = found_in(&stack);
     Ok(ReadStack { stack, header: Some(header), notes: found.lines(), found, carried })
 }
@@ -90,11 +91,13 @@ fn found_in(stack: &FeatureStack) -> Found {
         role(name, c.role.layer(), &["R", "G", "B"])
     };
     let roles = stack.components.iter().map(component);
-    let indirect = stack.indirect.iter().map(|_| role(INDIRECT, INDIRECT, &["R", "G", "B"]));
+    let lights = [(INDIRECT, &stack.indirect), (GATHERED, &stack.gathered)];
+    let lights =
+        lights.into_iter().filter(|(_, light)| light.is_some()).map(|(layer, _)| role(layer, layer, &["R", "G", "B"]));
     let features = stack.features.iter().map(|f| role(f.role.layer(), f.role.layer(), f.role.channels()));
     let spp = Spp { total: stack.samples.total.clone(), from: "samples.Y".into() };
     let mut found = Found { renderer: "Tamis".into(), spp: Some(spp.found()), ..Found::default() };
-    found.roles = roles.chain(indirect).chain(features).collect();
+    found.roles = roles.chain(lights).chain(features).collect();
     found.conclude(stack);
     found
 }

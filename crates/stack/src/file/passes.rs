@@ -131,6 +131,7 @@ mod tests {
             samples: SampleCounts::uniform(2, vec![1]),
             components: Vec::new(),
             indirect: None,
+            gathered: None,
             features: Vec::new(),
             passthrough,
         }

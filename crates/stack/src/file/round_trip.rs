@@ -39,6 +39,7 @@ fn stack() -> FeatureStack {
         film: Size::new(9, 8),
         components: components.collect(),
         indirect: Some(buckets(70)),
+        gathered: Some(buckets(71)),
         features: FeatureRole::ALL.iter().map(|&role| Feature { role, estimate: feature(role) }).collect(),
         passthrough: Vec::new(),
         samples,

@@ -179,7 +179,8 @@ fn finish(render: Loaded, samples: SampleCounts, estimates: Vec<(Role, Estimate)
         found.remarks.push(format!("not kept, since the output has channels of these names: {}", names.join(" ")));
     }
     let (window, film) = (rest.window, rest.film);
-    let stack = FeatureStack { window, film, samples, components, indirect: None, features, passthrough };
+    let stack =
+        FeatureStack { window, film, samples, components, indirect: None, gathered: None, features, passthrough };
     found.spp = spp.map(|_| {
         let (mean, min, max) = stack.samples.mean_min_max();
         let from = found.spp.as_ref().map_or_else(String::new, |spp| spp.from.clone());

@@ -7,7 +7,9 @@ use serde::{Deserialize, Serialize};
 use super::borrowed::BorrowedSamples;
 use super::layers::{Frame, write_channels};
 use super::{Carried, FileError};
-use crate::{ComponentRole, Dealing, Estimate, FeatureRole, FeatureStack, INDIRECT, Image, Noise, SampleCounts};
+use crate::{
+    ComponentRole, Dealing, Estimate, FeatureRole, FeatureStack, GATHERED, INDIRECT, Image, Noise, SampleCounts,
+};
 
 /// Layer of sample counts.
 pub(super) const SAMPLES: &str = "samples";
@@ -106,8 +108,10 @@ fn push_inputs<'a>(channels: &mut Channels<'a>, stack: &'a FeatureStack) {
     for component in &stack.components {
         push_estimate(channels, component.role.layer(), &["R", "G", "B"], &component.radiance);
     }
-    if let Some(indirect) = &stack.indirect {
-        push_estimate(channels, INDIRECT, &["R", "G", "B"], indirect);
+    for (layer, light) in [(INDIRECT, &stack.indirect), (GATHERED, &stack.gathered)] {
+        if let Some(light) = light {
+            push_estimate(channels, layer, &["R", "G", "B"], light);
+        }
     }
     for feature in &stack.features {
         push_estimate(channels, feature.role.layer(), feature.role.channels(), &feature.estimate);
@@ -149,7 +153,7 @@ fn full_name(layer: &str, channel: &str) -> String {
 /// Layers of all that a reconstruction starts from.
 pub(super) fn input_layers() -> impl Iterator<Item = &'static str> {
     let components = ComponentRole::ALL.map(ComponentRole::layer);
-    components.into_iter().chain([INDIRECT]).chain(FeatureRole::ALL.map(FeatureRole::layer)).chain([SAMPLES])
+    components.into_iter().chain([INDIRECT, GATHERED]).chain(FeatureRole::ALL.map(FeatureRole::layer)).chain([SAMPLES])
 }
 
 /// Whether a file of ours may have a channel called `name` that is not carried along.

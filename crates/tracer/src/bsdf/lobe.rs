@@ -43,6 +43,12 @@ impl Lobe {
         matches!(self, Self::Mirror(_) | Self::Glass(_) | Self::ThinGlass(_))
     }
 
+    /// Whether it looks equally bright from all sides.
+    #[inline]
+    pub const fn is_diffuse(&self) -> bool {
+        matches!(self, Self::Diffuse(_))
+    }
+
     /// Whether light from beyond the surface matters to [`evaluate`](Self::evaluate).
     #[inline]
     pub const fn is_two_sided(&self) -> bool {

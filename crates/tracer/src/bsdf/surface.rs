@@ -64,6 +64,12 @@ impl Bsdf {
         self.lobe.is_specular()
     }
 
+    /// Whether it looks equally bright from all sides.
+    #[inline]
+    pub const fn is_diffuse(&self) -> bool {
+        self.lobe.is_diffuse()
+    }
+
     /// What the albedo feature holds, 0 … 1: diffuse reflectance, reflectance at normal incidence of metals and mirrors,
     /// tint of glass; of a coated surface F₀ + (1 − F₀) k_d.
     #[inline]

@@ -1,14 +1,18 @@
 //! The film: partial means of everything paths record.
 //!
-//! Its state is exactly what a stack file holds (`f32` means and sample counts), combined once per pass, so that a
-//! render that was written, read and continued ends in the same bytes as one that never stopped.
+//! Its state is what a stack file holds (`f32` means and sample counts), combined once per pass, so that a render that
+//! was written, read and continued ends in the same bytes as one that never stopped; but for gathered light, for which it
+//! also knows what leaves the surfaces that paths have met.
 
 mod error;
+mod gather;
 mod sample;
 mod stack_form;
 mod tile;
 
 pub use error::NotAFilm;
+pub use gather::GatherPoint;
+use gather::LeavingLight;
 use rayon::prelude::*;
 use sample::{FEATURE_CHANNELS, RADIANCE_CHANNELS};
 pub use sample::{FeatureRecord, SampleRecord};
@@ -23,10 +27,12 @@ pub struct Film {
     window: Window,
     size: Size,
     counts: SampleCounts,
-    /// One image per bucket, its channels being scattered, emitted and indirect radiance.
+    /// One image per bucket, its channels being scattered, emitted, indirect and gathered radiance.
     radiance: Vec<Image>,
     /// One image per group of buckets (even, odd), its channels being those of all features in order.
     features: Vec<Image>,
+    /// For each group of features: what leaves the surfaces that its paths went on from the feature hit to.
+    leaving: Vec<LeavingLight>,
 }
 
 /// Groups that features are kept in: two halves, as far as there are buckets.
@@ -49,6 +55,7 @@ impl Film {
             },
             radiance: vec![Image::zeros(window.size, RADIANCE_CHANNELS); buckets as usize],
             features: vec![Image::zeros(window.size, FEATURE_CHANNELS); groups],
+            leaving: vec![LeavingLight::default(); groups],
         }
     }
 
@@ -89,7 +96,9 @@ impl Film {
     }
 
     /// Adds the samples of a whole pass, each pixel's in at most one of `tiles`.
-    pub(crate) fn add_pass(&mut self, tiles: &[TileSums]) {
+    pub(crate) fn add_pass(&mut self, tiles: &mut [TileSums]) {
+        self.gather(tiles);
+        let tiles = &*tiles;
         let before = self.counts.clone();
         for sums in tiles {
             for (taken, (_, _, pixel)) in sums.taken.iter().zip(sums.tile.pixels()) {
@@ -109,6 +118,15 @@ impl Film {
         };
         combine_all(&mut self.radiance, |tile| &tile.radiance);
         combine_all(&mut self.features, |tile| &tile.features);
+    }
+
+    /// Learns from the paths of a pass what leaves surfaces, and gives it to the same paths.
+    fn gather(&mut self, tiles: &mut [TileSums]) {
+        let groups = self.leaving.len();
+        self.leaving.par_iter_mut().enumerate().for_each(|(group, leaving)| {
+            leaving.learn(|| tiles.iter().flat_map(move |sums| sums.points_of(group, groups)));
+        });
+        tiles.par_iter_mut().for_each(|sums| sums.gather(&self.leaving));
     }
 }
 

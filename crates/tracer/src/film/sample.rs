@@ -1,9 +1,15 @@
 //! What one path contributes to its pixel.
 
+use std::ops::Range;
+
 use glam::Vec3;
 
-/// Channels of radiance: scattered, emission, indirect.
-pub(super) const RADIANCE_CHANNELS: usize = 9;
+use super::gather::GatherPoint;
+
+/// Channels of radiance: scattered, emission, indirect, gathered.
+pub(super) const RADIANCE_CHANNELS: usize = 12;
+/// Those of gathered light among them.
+pub(super) const GATHERED: Range<usize> = 9..12;
 /// Channels of features, in the order of [`stack::FeatureRole::ALL`].
 pub(super) const FEATURE_CHANNELS: usize = 13;
 
@@ -37,6 +43,10 @@ pub struct SampleRecord {
     pub emission: Vec3,
     /// Part of what is scattered: what arrived at the feature hit from other surfaces.
     pub indirect: Vec3,
+    /// Part of that: what the path found before it came to where the rest is gathered.
+    pub gathered: Vec3,
+    /// Where the rest is gathered, when there is such a place.
+    pub to_gather: Option<GatherPoint>,
     /// What the path saw on its way.
     pub features: FeatureRecord,
 }
@@ -49,8 +59,10 @@ impl SampleRecord {
             self.emission = Vec3::ZERO;
             replaced = true;
         }
-        if !(self.scattered.is_finite() && self.indirect.is_finite()) {
-            (self.scattered, self.indirect) = (Vec3::ZERO, Vec3::ZERO);
+        let gathers = self.to_gather.is_none_or(|point| point.is_finite());
+        if !(self.scattered.is_finite() && self.indirect.is_finite() && self.gathered.is_finite() && gathers) {
+            (self.scattered, self.indirect, self.gathered) = (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
+            self.to_gather = None;
             replaced = true;
         }
         if !self.feature_channels().iter().all(|v| v.is_finite()) {
@@ -62,8 +74,8 @@ impl SampleRecord {
 
     /// The radiance, channel by channel.
     pub(super) fn radiance_channels(&self) -> [f32; RADIANCE_CHANNELS] {
-        let (s, e, i) = (self.scattered, self.emission, self.indirect);
-        [s.x, s.y, s.z, e.x, e.y, e.z, i.x, i.y, i.z]
+        let (s, e, i, g) = (self.scattered, self.emission, self.indirect, self.gathered);
+        [s.x, s.y, s.z, e.x, e.y, e.z, i.x, i.y, i.z, g.x, g.y, g.z]
     }
 
     /// The features, channel by channel.

@@ -1,11 +1,12 @@
 //! A film as a feature stack, and back.
 
 use stack::{
-    Component, ComponentRole, Dealing, Estimate, Feature, FeatureRole, FeatureStack, INDIRECT, Image, Noise,
+    Component, ComponentRole, Dealing, Estimate, Feature, FeatureRole, FeatureStack, GATHERED, INDIRECT, Image, Noise,
     SampleCounts,
 };
 
-use super::sample::{FEATURE_CHANNELS, RADIANCE_CHANNELS};
+use super::gather::LeavingLight;
+use super::sample::{self, FEATURE_CHANNELS, RADIANCE_CHANNELS};
 use super::{Film, NotAFilm, feature_groups};
 
 /// First and one past the last channel of each component in a bucket's image.
@@ -13,8 +14,8 @@ fn component_channels() -> impl Iterator<Item = (ComponentRole, usize, usize)> {
     ComponentRole::ALL.into_iter().enumerate().map(|(i, role)| (role, 3 * i, 3 * i + 3))
 }
 
-/// The same of indirect light, behind all components.
-const INDIRECT_CHANNELS: [usize; 2] = [3 * ComponentRole::ALL.len(), RADIANCE_CHANNELS];
+/// The same of indirect light, between all components and gathered light.
+const INDIRECT_CHANNELS: [usize; 2] = [3 * ComponentRole::ALL.len(), sample::GATHERED.start];
 
 /// First and one past the last channel of each feature in a group's image.
 fn feature_channels() -> impl Iterator<Item = (FeatureRole, usize, usize)> {
@@ -36,10 +37,12 @@ fn cut(groups: &mut [Image], first: usize, end: usize, counts: &SampleCounts) ->
 }
 
 impl Film {
-    /// The film as a feature stack: both components and indirect light with all buckets, all features as halves (without
+    /// The film as a feature stack: both components, indirect and gathered light with all buckets, all features as halves (without
     /// noise when there is only one bucket).
     pub fn to_stack(&self) -> FeatureStack {
-        self.clone().into_stack()
+        let Self { window, size, ref counts, ref radiance, ref features, .. } = *self;
+        let [radiance, features] = [radiance, features].map(Clone::clone);
+        Self { window, size, counts: counts.clone(), radiance, features, leaving: Vec::new() }.into_stack()
     }
 
     /// [`to_stack`](Self::to_stack) without a copy.
@@ -50,6 +53,7 @@ impl Film {
             .collect();
         let [first, end] = INDIRECT_CHANNELS;
         let indirect = Some(cut(&mut self.radiance, first, end, counts));
+        let gathered = Some(cut(&mut self.radiance, sample::GATHERED.start, sample::GATHERED.end, counts));
         let features = feature_channels()
             .map(|(role, first, end)| Feature { role, estimate: cut(&mut self.features, first, end, counts) })
             .collect();
@@ -59,13 +63,14 @@ impl Film {
             samples: self.counts,
             components,
             indirect,
+            gathered,
             features,
             passthrough: vec![],
         }
     }
 
     /// The film that [`to_stack`](Self::to_stack) made `stack` from, to add more samples to. Layers it does not know
-    /// (`passthrough`) are dropped.
+    /// (`passthrough`) are dropped, and light is gathered anew.
     ///
     /// # Errors
     /// When `stack` does not hold all that a film consists of.
@@ -81,6 +86,7 @@ impl Film {
             append(&mut radiance, found, role.layer(), 3, size)?;
         }
         append(&mut radiance, stack.indirect, INDIRECT, 3, size)?;
+        append(&mut radiance, stack.gathered, GATHERED, 3, size)?;
         let mut all = stack.features;
         for role in FeatureRole::ALL {
             let found = all.iter().position(|f| f.role == role).map(|i| all.swap_remove(i).estimate);
@@ -93,6 +99,7 @@ impl Film {
             counts: stack.samples,
             radiance: images(radiance),
             features: images(features),
+            leaving: vec![LeavingLight::default(); groups],
         })
     }
 }

@@ -16,6 +16,8 @@ fn record(pixel: usize, index: u32) -> SampleRecord {
         scattered: Vec3::new(value, 2.0 * value, 3.0 * value),
         emission: Vec3::splat(0.5 * value),
         indirect: Vec3::new(0.25 * value, value, 0.75 * value),
+        gathered: Vec3::new(value, 0.0, 0.5 * value),
+        to_gather: None,
         features: FeatureRecord {
             position: Vec3::new(value, 0.0, -value),
             albedo: Vec3::splat(value / 20.0),
@@ -30,10 +32,10 @@ fn record(pixel: usize, index: u32) -> SampleRecord {
 
 fn add(film: &mut Film, samples: std::ops::Range<u32>) {
     let [sequences, buckets] = film.dealing();
-    let tiles: Vec<TileSums> = Tile::all(film.window.size)
+    let mut tiles: Vec<TileSums> = Tile::all(film.window.size)
         .into_iter()
         .map(|tile| {
-            let mut sums = TileSums::new(tile.clone(), buckets);
+            let mut sums = TileSums::new(tile.clone(), buckets, 0);
             for (i, (_, _, pixel)) in tile.pixels().enumerate() {
                 for index in samples.clone() {
                     sums.add(i, place(index, sequences, buckets).bucket, &record(pixel, index));
@@ -42,7 +44,7 @@ fn add(film: &mut Film, samples: std::ops::Range<u32>) {
             sums
         })
         .collect();
-    film.add_pass(&tiles);
+    film.add_pass(&mut tiles);
 }
 
 fn filled(sequences: u32, buckets: u32) -> Film {

@@ -5,7 +5,8 @@ use std::ops::Range;
 use stack::Size;
 
 use super::feature_groups;
-use super::sample::{FEATURE_CHANNELS, RADIANCE_CHANNELS, SampleRecord};
+use super::gather::{GatherPoint, LeavingLight};
+use super::sample::{FEATURE_CHANNELS, GATHERED, RADIANCE_CHANNELS, SampleRecord};
 
 /// Side of a tile, in pixels; those at the right and bottom border are smaller.
 const SIDE: usize = 16;
@@ -49,17 +50,31 @@ pub struct TileSums {
     pub(super) radiance: Vec<Vec<f32>>,
     /// Per group of buckets, likewise.
     pub(super) features: Vec<Vec<f32>>,
+    /// Light still to be gathered, in the order of samples.
+    to_gather: Vec<ToGather>,
 }
 
+/// Light still to be gathered for a sample.
+#[derive(Clone, Copy, Debug)]
+struct ToGather {
+    point: GatherPoint,
+    /// Of the tile.
+    pixel: u16,
+    bucket: u16,
+}
+
+const _: () = assert!(SIDE * SIDE <= 1 << 16, "a pixel of a tile has a number of 16 bits");
+
 impl TileSums {
-    /// Sums of nothing.
-    pub fn new(tile: Tile, buckets: u32) -> Self {
+    /// Sums of nothing, with room for so many samples.
+    pub fn new(tile: Tile, buckets: u32, samples: usize) -> Self {
         let pixels = tile.len();
         Self {
             tile,
             taken: vec![0; pixels],
             radiance: vec![vec![0.0; RADIANCE_CHANNELS * pixels]; buckets as usize],
             features: vec![vec![0.0; FEATURE_CHANNELS * pixels]; feature_groups(buckets as usize)],
+            to_gather: Vec::with_capacity(samples),
         }
     }
 
@@ -69,6 +84,24 @@ impl TileSums {
         self.taken[pixel] += 1;
         accumulate(&mut self.radiance[bucket as usize], pixel, pixels, &record.radiance_channels());
         accumulate(&mut self.features[group], pixel, pixels, &record.feature_channels());
+        let to_gather = record.to_gather.map(|point| ToGather { point, pixel: pixel as u16, bucket: bucket as u16 });
+        self.to_gather.extend(to_gather);
+    }
+
+    /// Where light is still to be gathered for a group of buckets.
+    pub(super) fn points_of(&self, group: usize, groups: usize) -> impl Iterator<Item = GatherPoint> + '_ {
+        let is_of_group = move |found: &&ToGather| found.bucket as usize % groups == group;
+        self.to_gather.iter().filter(is_of_group).map(|found| found.point)
+    }
+
+    /// Adds what leaves the surfaces where light is gathered; `light` knows it for each group of buckets.
+    pub(super) fn gather(&mut self, light: &[LeavingLight]) {
+        let pixels = self.taken.len();
+        for ToGather { point, pixel, bucket } in std::mem::take(&mut self.to_gather) {
+            let arriving = light[bucket as usize % light.len()].arriving(&point);
+            let sums = &mut self.radiance[bucket as usize][pixels * GATHERED.start..];
+            accumulate(sums, pixel as usize, pixels, &arriving.to_array());
+        }
     }
 }
 

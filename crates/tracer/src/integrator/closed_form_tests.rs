@@ -77,6 +77,24 @@ fn indirect_light_is_what_other_surfaces_send() {
     }
 }
 
+/// In a hall with a small lamp light is gathered on all walls: on average as bright, with half of the noise.
+#[test]
+fn gathered_light_is_indirect_light_with_less_noise() {
+    let scene = Pieces::default()
+        .sphere(-4.0, (diffuse(0.5), 0.0))
+        .quad(Vec3::new(0.5, 0.0, -1.0), Vec3::X * 0.2, Vec3::Z * 0.2, lamp(50.0))
+        .under(None);
+    let (stack, _) = render(&scene, &looking_down(Size::new(32, 32)), 64, &DEFAULT);
+    let [indirect, gathered] = [&stack.indirect, &stack.gathered].map(|light| {
+        let light = light.as_ref().unwrap();
+        let (values, variance) = (&light.mean.channels()[0], light.variance_of_mean(&stack.samples).unwrap());
+        let sum = |v: &[f32]| v.iter().map(|v| f64::from(*v)).sum::<f64>();
+        (sum(values), sum(&variance.channels()[0]))
+    });
+    assert!((gathered.0 - indirect.0).abs() < 4.0 * indirect.1.sqrt(), "{gathered:?} {indirect:?}");
+    assert!(gathered.1 < 0.6 * indirect.1, "{gathered:?} {indirect:?}");
+}
+
 /// Form factor from a point to a rectangle a × b parallel to its plane, at distance c above, one corner above the
 /// point (Howell's catalogue of configuration factors, B-3).
 fn corner_form_factor(a: f64, b: f64, c: f64) -> f64 {

@@ -7,7 +7,7 @@ use super::path_state::{Departure, Path};
 use super::{TraceSettings, features, roulette};
 use crate::Ray;
 use crate::bsdf::Bsdf;
-use crate::film::SampleRecord;
+use crate::film::{GatherPoint, SampleRecord};
 use crate::interaction::Interaction;
 use crate::light::Lights;
 use crate::sampler::{Decision, Stream};
@@ -41,6 +41,10 @@ impl<'a> PathTracer<'a> {
             let comes_next = path.settled && !path.indirect;
             path.indirect |= path.settled;
             let bsdf = Bsdf::at(&hit);
+            if bsdf.is_diffuse() {
+                let throughput = path.throughput;
+                path.gather_at(|| GatherPoint::new(&hit, bsdf.albedo(), throughput, self.scene.bounds()));
+            }
             let surface = Surface { hit: &hit, bsdf: &bsdf, bounce };
             let goes_on = bounce < self.settings.max_depth;
             let is_feature_hit = self.record_features(&mut path, &surface);

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::Ray;
-use crate::film::{FeatureRecord, SampleRecord};
+use crate::film::{FeatureRecord, GatherPoint, SampleRecord};
 use crate::light::Receiver;
 
 /// How a path left its last surface, when other directions were possible too.
@@ -70,6 +70,18 @@ impl Path {
         self.record.scattered += radiance;
         if self.indirect {
             self.record.indirect += radiance;
+            match &mut self.record.to_gather {
+                Some(point) => point.found += radiance,
+                None => self.record.gathered += radiance,
+            }
+        }
+    }
+
+    /// From here on, what leaves the surface at `point` is gathered, once, unless it was already.
+    #[inline]
+    pub(super) fn gather_at(&mut self, point: impl FnOnce() -> GatherPoint) {
+        if self.indirect {
+            self.record.to_gather.get_or_insert_with(point);
         }
     }
 

@@ -71,15 +71,20 @@ fn an_interrupted_render_goes_on_as_if_nothing_had_happened() {
     let Err(TraceError::Cancelled(report)) = continue_film(&mut film, 40, &monitor) else { panic!("not cancelled") };
     assert_eq!(report.samples, pixels * 16, "two whole passes");
     assert!(film.counts().total.iter().all(|n| *n == 16));
-    // Written to a file, read again, continued.
-    let mut film = Film::from_stack(film.to_stack()).unwrap();
-    continue_film(&mut film, 24, &Silent).unwrap();
-    assert_eq!(film, straight(40));
+    // Written to a file, read again, continued: but for light that is gathered anew.
+    let mut read = Film::from_stack(film.to_stack()).unwrap();
+    let straight = straight(40);
+    for film in [&mut film, &mut read] {
+        continue_film(film, 24, &Silent).unwrap();
+    }
+    assert_eq!(film, straight);
+    assert!(planes(&read.into_stack()).eq(planes(&straight.into_stack())));
 }
 
-/// All planes of a stack, by name.
+/// All planes of a stack that depend on nothing but their pixel's samples.
 fn planes(stack: &FeatureStack) -> impl Iterator<Item = &stack::Estimate> {
-    stack.components.iter().map(|c| &c.radiance).chain(stack.features.iter().map(|f| &f.estimate))
+    let features = stack.features.iter().map(|f| &f.estimate);
+    stack.components.iter().map(|c| &c.radiance).chain(&stack.indirect).chain(features)
 }
 
 #[test]

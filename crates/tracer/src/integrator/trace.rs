@@ -64,8 +64,8 @@ pub fn trace(
     let mut report = TraceReport::default();
     for pass in 0..passes::count(map) {
         let traced = work.trace_pass(&tiles, pass, monitor).map_err(|Cancelled| TraceError::Cancelled(report))?;
-        let (sums, reports): (Vec<_>, Vec<_>) = traced.into_iter().unzip();
-        film.add_pass(&sums);
+        let (mut sums, reports): (Vec<_>, Vec<_>) = traced.into_iter().unzip();
+        film.add_pass(&mut sums);
         report = reports.into_iter().fold(report, TraceReport::plus);
     }
     Ok(report)
@@ -128,7 +128,8 @@ impl Work<'_> {
     }
 
     fn trace_tile(&self, tile: &Tile, pass: u32) -> (TileSums, TraceReport) {
-        let mut sums = TileSums::new(tile.clone(), self.settings.buckets);
+        let samples = tile.pixels().map(|(_, _, pixel)| passes::samples(self.map, pixel, pass).len()).sum();
+        let mut sums = TileSums::new(tile.clone(), self.settings.buckets, samples);
         let mut report = TraceReport::default();
         for (i, (x, y, pixel)) in tile.pixels().enumerate() {
             let on_film = [self.corner[0] + x as i32, self.corner[1] + y as i32];

@@ -46,7 +46,7 @@ impl Level {
             *radiance = self.left_of(radiance, stack)?;
         }
         // What other renderers do not keep apart.
-        poorer.indirect = None;
+        (poorer.indirect, poorer.gathered) = (None, None);
         poorer.features.retain(|feature| self.keeps(feature.role));
         for Feature { estimate, .. } in &mut poorer.features {
             *estimate = self.left_of(estimate, stack)?;

@@ -15,6 +15,7 @@ fn stack_of(features: Vec<Feature>) -> FeatureStack {
         samples: SampleCounts::uniform(SIZE.pixels(), vec![4; 8]),
         components: Vec::new(),
         indirect: None,
+        gathered: None,
         features,
         passthrough: Vec::new(),
     }

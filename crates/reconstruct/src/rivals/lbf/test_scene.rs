@@ -52,7 +52,16 @@ pub(super) fn noisy_stack(sigma: f32, seed: u64) -> FeatureStack {
     ];
     let components = vec![Component { role: ComponentRole::Scattered, radiance }];
     let window = Window::whole(SIZE);
-    FeatureStack { window, film: SIZE, samples, components, indirect: None, features, passthrough: Vec::new() }
+    FeatureStack {
+        window,
+        film: SIZE,
+        samples,
+        components,
+        indirect: None,
+        gathered: None,
+        features,
+        passthrough: Vec::new(),
+    }
 }
 
 /// What the filter sees of the stack, `exposure` times as bright.

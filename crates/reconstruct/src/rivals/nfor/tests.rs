@@ -42,6 +42,7 @@ fn stack(sigma: f32, feature_sigma: f32) -> FeatureStack {
         film: SIZE,
         components: vec![Component { role: stack::ComponentRole::Scattered, radiance }],
         indirect: None,
+        gathered: None,
         features: vec![feature],
         passthrough: Vec::new(),
         samples,

@@ -21,6 +21,7 @@ fn stack() -> FeatureStack {
         samples: SampleCounts::uniform(SIZE.pixels(), vec![4, 4]),
         components: Vec::new(),
         indirect: None,
+        gathered: None,
         features: vec![
             feature(FeatureRole::Albedo, &checker),
             feature(FeatureRole::Visibility, &|_, y| ((y as f32 - 14.0) * 0.8).tanh() * 0.5 + 0.5),

@@ -62,7 +62,7 @@ impl Example {
         let references = &references.clone().map(|reference| reference.exposed(exposure));
         let features = guide_features(stack, settings, monitor)?;
         let whole = whole_light(stack, references)?;
-        let parts = parts_of(&whole, stack, references);
+        let parts = parts_of(&whole, stack, references, settings.light.gathered);
         let pixels = sampled(&unlit(stack), seed);
         let picture = Picture { stack, settings, whole: &whole.references.clone(), pixels };
         let mut examples = vec![picture.example(whole, &features, None, monitor)?];

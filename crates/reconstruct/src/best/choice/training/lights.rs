@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use stack::{Component, ComponentRole, FeatureStack, Image};
 
 use crate::components::is_lit;
-use crate::indirect::{direct_share_of_noise, is_part_of, parts, take_off};
+use crate::indirect::{IndirectLight, take_off};
 use crate::reconstruction::ReconstructError;
 
 /// Light that is rebuilt by itself.
@@ -39,16 +39,17 @@ pub struct Parts {
 }
 
 /// Direct and indirect light, where they are known apart and there is some of both.
-pub fn parts_of(whole: &Light, stack: &FeatureStack, references: &[FeatureStack; 2]) -> Option<Parts> {
-    let radiance = stack.indirect.as_ref().filter(|indirect| is_part_of(indirect, &whole.component.radiance))?;
+pub fn parts_of(whole: &Light, stack: &FeatureStack, references: &[FeatureStack; 2], gathered: bool) -> Option<Parts> {
+    let radiance = &whole.component.radiance;
+    let indirect = IndirectLight::of(stack, gathered).filter(|indirect| indirect.is_part_of(radiance))?;
     let [Some(first), Some(second)] = references.each_ref().map(|reference| reference.indirect.as_ref()) else {
         return None;
     };
     let of_indirect = [first, second].map(|estimate| estimate.mean.clone());
     let mut of_direct = whole.references.clone();
     of_direct.iter_mut().zip(&of_indirect).for_each(|(whole, part)| take_off(whole, part));
-    let share = direct_share_of_noise(radiance, &whole.component.radiance, &stack.samples);
-    let [direct, indirect] = parts(whole.component.clone().into_owned(), radiance.clone());
+    let share = indirect.direct_share_of_noise(radiance, &stack.samples, 1.0);
+    let [direct, indirect] = indirect.parts(whole.component.clone().into_owned());
     let light = |component, references| Light { component: Cow::Owned(component), references };
     let both_lit = is_lit(&direct) && is_lit(&indirect);
     both_lit.then(|| Parts { direct: light(direct, of_direct), indirect: light(indirect, of_indirect), share })
