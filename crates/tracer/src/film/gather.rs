@@ -29,12 +29,12 @@ const DARKEST: f32 = 0.02;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GatherPoint {
     place: Place,
-    /// Size of the largest cell that may stand for the point, in steps of a place.
-    reach: f32,
     /// Radiance at the camera ÷ (radiance that leaves the point ÷ its albedo).
     weight: Vec3,
     /// Radiance at the camera that the path by itself found to come from here.
     pub(crate) found: Vec3,
+    /// How many levels of cells, from the smallest, may stand for the point.
+    levels: u8,
 }
 
 impl GatherPoint {
@@ -44,9 +44,9 @@ impl GatherPoint {
         let side = if hit.geometric_normal.dot(hit.outgoing) < 0.0 { -1.0 } else { 1.0 };
         Self {
             place: Place::new((hit.position - bounds.min) * steps, side * hit.geometric_normal),
-            reach: WIDEST * hit.distance * steps,
             weight: throughput * albedo.max(Vec3::splat(DARKEST)),
             found: Vec3::ZERO,
+            levels: levels_within(WIDEST * hit.distance * steps),
         }
     }
 
@@ -59,6 +59,12 @@ impl GatherPoint {
         let leaving = self.found / self.weight;
         Vec3::select(self.weight.cmpgt(Vec3::ZERO), leaving, Vec3::ZERO)
     }
+}
+
+/// How many levels have cells no larger than `size`, in steps of a place.
+fn levels_within(size: f32) -> u8 {
+    // Saturates at 0.
+    (size.log2().floor() + 1.0) as u8
 }
 
 /// A place in the scene and the way its surface faces: 3 × 20 digits of its coordinates, 3 of the axis. In two words, so
@@ -130,7 +136,7 @@ impl LeavingLight {
     pub(super) fn arriving(&self, point: &GatherPoint) -> Vec3 {
         for (level, cells) in self.levels.iter().enumerate().rev() {
             let level = COARSEST - level as u32;
-            if (1_u32 << level) as f32 > point.reach {
+            if level >= u32::from(point.levels) {
                 break;
             }
             if let Some(cell) = cells.get(&point.place.cell(level)).filter(|cell| cell.is_full()) {
@@ -160,8 +166,8 @@ mod tests {
     /// A point on the floor of a scene of size 1, reached from `distance` away, where a path found `found`.
     fn point(position: Vec3, distance: f32, found: f32) -> GatherPoint {
         let steps = (1 << DIGITS) as f32;
-        let place = Place::new(position * steps, Vec3::Y);
-        GatherPoint { place, reach: WIDEST * distance * steps, weight: Vec3::splat(0.5), found: Vec3::splat(found) }
+        let (place, levels) = (Place::new(position * steps, Vec3::Y), levels_within(WIDEST * distance * steps));
+        GatherPoint { place, weight: Vec3::splat(0.5), found: Vec3::splat(found), levels }
     }
 
     /// `count` points in a cell at the corner, whose paths found 0, 1, 2 …
