@@ -18,8 +18,9 @@ const DIGITS: u32 = 20;
 const COARSEST: u32 = DIGITS - 4;
 /// Paths that a cell must have met before they share what they found. Fewer would be mostly one's own noise.
 const LEAST_PATHS: u32 = 12;
-/// Largest cell that paths share, against the distance to it: larger ones would blur what lies next to a surface.
-const WIDEST: f32 = 0.7;
+/// Largest cell that paths share, against what one path stands for: the directions of its kind, as far away as it went.
+/// Larger ones would blur what lies next to a surface or is seen in its gloss.
+const WIDEST: f32 = 0.35;
 /// Share of paths in full cells from which on there are smaller ones.
 const FULL: f32 = 0.5;
 /// Albedos are not taken to be smaller: what leaves is kept as a multiple of them.
@@ -38,15 +39,16 @@ pub struct GatherPoint {
 }
 
 impl GatherPoint {
-    /// The point `hit` of a surface of that `albedo`, reached with `throughput` in a scene of those `bounds`.
-    pub(crate) fn new(hit: &Interaction, albedo: Vec3, throughput: Vec3, bounds: Bounds) -> Self {
+    /// The point `hit` of a surface of that `albedo`, reached with `throughput` by a path that stands for a solid angle of
+    /// `spread`², in a scene of those `bounds`.
+    pub(crate) fn new(hit: &Interaction, albedo: Vec3, throughput: Vec3, spread: f32, bounds: Bounds) -> Self {
         let steps = (1 << DIGITS) as f32 / (bounds.max - bounds.min).max_element();
         let side = if hit.geometric_normal.dot(hit.outgoing) < 0.0 { -1.0 } else { 1.0 };
         Self {
             place: Place::new((hit.position - bounds.min) * steps, side * hit.geometric_normal),
             weight: throughput * albedo.max(Vec3::splat(DARKEST)),
             found: Vec3::ZERO,
-            levels: levels_within(WIDEST * hit.distance * steps),
+            levels: levels_within(WIDEST * spread * hit.distance * steps),
         }
     }
 

@@ -42,8 +42,8 @@ impl<'a> PathTracer<'a> {
             path.indirect |= path.settled;
             let bsdf = Bsdf::at(&hit);
             if bsdf.is_diffuse() {
-                let throughput = path.throughput;
-                path.gather_at(|| GatherPoint::new(&hit, bsdf.albedo(), throughput, self.scene.bounds()));
+                let (throughput, spread) = (path.throughput, path.spread);
+                path.gather_at(|| GatherPoint::new(&hit, bsdf.albedo(), throughput, spread, self.scene.bounds()));
             }
             let surface = Surface { hit: &hit, bsdf: &bsdf, bounce };
             let goes_on = bounce < self.settings.max_depth;
@@ -111,6 +111,7 @@ fn scatter(path: &mut Path, at: &Surface, stream: &Stream) -> bool {
     path.throughput *= sample.weight;
     path.eta_scale *= sample.eta * sample.eta;
     path.specular &= at.bsdf.is_specular();
+    path.spread = sample.pdf.map_or(path.spread, |pdf| pdf.sqrt().recip());
     path.departure = sample.pdf.map(|pdf| Departure { pdf, receiver: at.bsdf.receiver() });
     path.ray = at.hit.spawn(sample.direction);
     path.throughput != Vec3::ZERO

@@ -26,6 +26,8 @@ pub(super) struct Path {
     pub(super) eta_scale: f32,
     /// `None` when light along `ray` can be found in no other way: straight from the camera, a mirror or glass.
     pub(super) departure: Option<Departure>,
+    /// Square root of the solid angle that it stands for: 1/√pdf of where it went when it last had a choice.
+    pub(super) spread: f32,
     /// Whether all surfaces so far were perfect mirrors or clear glass.
     pub(super) specular: bool,
     /// Whether the features are final.
@@ -46,6 +48,7 @@ impl Path {
             throughput: Vec3::ONE,
             eta_scale: 1.0,
             departure: None,
+            spread: 0.0,
             specular: true,
             settled: false,
             indirect: false,
