@@ -5,6 +5,7 @@ pub mod bvh;
 pub mod camera;
 pub mod environment;
 pub mod film;
+pub mod gather;
 pub mod integrator;
 pub mod interaction;
 pub mod light;

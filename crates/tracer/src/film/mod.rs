@@ -5,20 +5,18 @@
 //! also knows what leaves the surfaces that paths have met.
 
 mod error;
-mod gather;
 mod sample;
 mod stack_form;
 mod tile;
 
 pub use error::NotAFilm;
-pub use gather::GatherPoint;
-use gather::LeavingLight;
 use rayon::prelude::*;
 use sample::{FEATURE_CHANNELS, RADIANCE_CHANNELS};
 pub use sample::{FeatureRecord, SampleRecord};
 use stack::{Dealing, Image, SampleCounts, SampleMap, Size, Window};
 pub use tile::{Tile, TileSums};
 
+use crate::gather::LeavingLight;
 use crate::integrator::TraceSettings;
 
 /// Partial means of a film window's pixels.

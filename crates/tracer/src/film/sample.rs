@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::Vec3;
 
-use super::gather::GatherPoint;
+use crate::gather::GatherPoint;
 
 /// Channels of radiance: scattered, emission, indirect, gathered.
 pub(super) const RADIANCE_CHANNELS: usize = 12;

@@ -5,9 +5,9 @@ use stack::{
     SampleCounts,
 };
 
-use super::gather::LeavingLight;
 use super::sample::{self, FEATURE_CHANNELS, RADIANCE_CHANNELS};
 use super::{Film, NotAFilm, feature_groups};
+use crate::gather::LeavingLight;
 
 /// First and one past the last channel of each component in a bucket's image.
 fn component_channels() -> impl Iterator<Item = (ComponentRole, usize, usize)> {

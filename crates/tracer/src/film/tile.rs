@@ -5,8 +5,8 @@ use std::ops::Range;
 use stack::Size;
 
 use super::feature_groups;
-use super::gather::{GatherPoint, LeavingLight};
 use super::sample::{FEATURE_CHANNELS, GATHERED, RADIANCE_CHANNELS, SampleRecord};
+use crate::gather::{GatherPoint, LeavingLight};
 
 /// Side of a tile, in pixels; those at the right and bottom border are smaller.
 const SIDE: usize = 16;

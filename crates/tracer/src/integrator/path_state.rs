@@ -3,7 +3,8 @@
 use glam::Vec3;
 
 use crate::Ray;
-use crate::film::{FeatureRecord, GatherPoint, SampleRecord};
+use crate::film::{FeatureRecord, SampleRecord};
+use crate::gather::GatherPoint;
 use crate::light::Receiver;
 
 /// How a path left its last surface, when other directions were possible too.

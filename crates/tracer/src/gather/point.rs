@@ -1,0 +1,55 @@
+//! Where a path finds light that it shares with others.
+
+use glam::Vec3;
+
+use super::place::{DIGITS, Place};
+use crate::interaction::Interaction;
+use crate::scene::Bounds;
+
+/// Largest cell that paths share, against what one path stands for: the directions of its kind, as far away as it went.
+/// Larger ones would blur what lies next to a surface or is seen in its gloss.
+pub(super) const WIDEST: f32 = 0.35;
+/// Albedos are not taken to be smaller: what leaves is kept as a multiple of them.
+const DARKEST: f32 = 0.02;
+
+/// A point on a diffuse surface that a path went on to from the surface that is seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GatherPoint {
+    pub(super) place: Place,
+    /// Radiance at the camera ÷ (radiance that leaves the point ÷ its albedo).
+    pub(super) weight: Vec3,
+    /// Radiance at the camera that the path by itself found to come from here.
+    pub(crate) found: Vec3,
+    /// How many levels of cells, from the smallest, may stand for the point.
+    pub(super) levels: u8,
+}
+
+impl GatherPoint {
+    /// The point `hit` of a surface of that `albedo`, reached with `throughput` by a path that stands for a solid angle of
+    /// `spread`², in a scene of those `bounds`.
+    pub(crate) fn new(hit: &Interaction, albedo: Vec3, throughput: Vec3, spread: f32, bounds: Bounds) -> Self {
+        let steps = (1 << DIGITS) as f32 / (bounds.max - bounds.min).max_element();
+        let side = if hit.geometric_normal.dot(hit.outgoing) < 0.0 { -1.0 } else { 1.0 };
+        Self {
+            place: Place::new((hit.position - bounds.min) * steps, side * hit.geometric_normal),
+            weight: throughput * albedo.max(Vec3::splat(DARKEST)),
+            found: Vec3::ZERO,
+            levels: levels_within(WIDEST * spread * hit.distance * steps),
+        }
+    }
+
+    pub(crate) fn is_finite(&self) -> bool {
+        self.weight.is_finite() && self.found.is_finite()
+    }
+
+    /// What leaves the point ÷ its albedo, as the path found it; `None` when it was blind to a colour.
+    pub(super) fn leaving(&self) -> Option<Vec3> {
+        (self.weight.min_element() > 0.0).then(|| self.found / self.weight)
+    }
+}
+
+/// How many levels have cells no larger than `size`, in steps of a place.
+pub(super) fn levels_within(size: f32) -> u8 {
+    // Saturates at 0.
+    (size.log2().floor() + 1.0) as u8
+}

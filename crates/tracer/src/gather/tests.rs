@@ -1,0 +1,87 @@
+use glam::Vec3;
+
+use super::leaving::{COARSEST, LEAST_PATHS};
+use super::place::{DIGITS, Place};
+use super::point::{WIDEST, levels_within};
+use super::{GatherPoint, LeavingLight};
+
+/// A point on the floor of a scene of size 1, reached from `distance` away, where a path found `found`.
+fn point(position: Vec3, distance: f32, found: f32) -> GatherPoint {
+    let steps = (1 << DIGITS) as f32;
+    let (place, levels) = (Place::new(position * steps, Vec3::Y), levels_within(WIDEST * distance * steps));
+    GatherPoint { place, weight: Vec3::splat(0.5), found: Vec3::splat(found), levels }
+}
+
+/// `count` points in a cell at the corner, whose paths found 0, 1, 2 …
+fn together(count: u32) -> Vec<GatherPoint> {
+    (0..count).map(|i| point(Vec3::splat(1e-4), 1.0, i as f32)).collect()
+}
+
+fn learned(points: &[GatherPoint]) -> LeavingLight {
+    let mut light = LeavingLight::default();
+    light.learn(|| points.iter().copied());
+    light
+}
+
+#[test]
+fn paths_of_a_full_cell_share_what_they_found() {
+    let points = together(LEAST_PATHS);
+    let mean = (LEAST_PATHS - 1) as f32 / 2.0;
+    let light = learned(&points);
+    assert!(points.iter().all(|point| (light.arriving(point) - mean).abs().max_element() < 1e-5));
+    // What leaves is the same, whatever share of it arrives.
+    let dark = GatherPoint { weight: Vec3::splat(0.25), ..points[3] };
+    assert!((light.arriving(&dark) - 0.5 * mean).abs().max_element() < 1e-5);
+}
+
+#[test]
+fn few_paths_and_near_ones_keep_their_own() {
+    let points = together(LEAST_PATHS - 1);
+    assert!(points.iter().all(|point| learned(&points).arriving(point) == point.found));
+    let light = learned(&together(LEAST_PATHS));
+    let finest = 0.5_f32.powi((DIGITS - COARSEST) as i32);
+    let [near, far] = [0.99, 1.01].map(|cells| point(Vec3::splat(1e-4), cells * finest / WIDEST, 77.0));
+    assert!(light.arriving(&near) == near.found && light.arriving(&far) != far.found);
+    let elsewhere = point(Vec3::new(0.9, 1e-4, 1e-4), 1.0, 77.0);
+    assert_eq!(light.arriving(&elsewhere), elsewhere.found);
+}
+
+#[test]
+fn more_paths_share_smaller_cells() {
+    // What is found rises along x: the error of sharing is that of the cell's size.
+    let rise = |count: u32| -> Vec<GatherPoint> {
+        let at = |i| f64::from(i) * 0.618_034 % 1.0;
+        (0..count).map(|i| point(Vec3::new(at(i) as f32, 1e-4, 1e-4), 1.0, at(i) as f32)).collect()
+    };
+    let error = |count| {
+        let (points, mut light) = (rise(count), LeavingLight::default());
+        for pass in points.chunks(2000) {
+            light.learn(|| pass.iter().copied());
+        }
+        points.iter().map(|point| (light.arriving(point) - point.found).x.abs()).fold(0.0, f32::max)
+    };
+    let [few, many] = [2000, 64_000].map(error);
+    assert!(many < 0.1 * few && few < 0.5_f32.powi((DIGITS - COARSEST) as i32), "{few} {many}");
+}
+
+#[test]
+fn cells_lie_within_coarser_ones_and_face_one_way() {
+    let place = |x: f32, normal| Place::new(Vec3::new(x, 3.0, 1e9), normal);
+    for level in 0..DIGITS {
+        let wide = (1_u32 << level) as f32;
+        assert_eq!(place(0.0, Vec3::Z).cell(level), place(wide - 1.0, Vec3::Z).cell(level));
+        assert_ne!(place(0.0, Vec3::Z).cell(level), place(wide, Vec3::Z).cell(level));
+        assert_ne!(place(0.0, Vec3::Z).cell(level), place(0.0, Vec3::NEG_Z).cell(level));
+        assert_ne!(place(0.0, Vec3::Z).cell(level), place(0.0, Vec3::X).cell(level));
+    }
+}
+
+#[test]
+fn paths_blind_to_a_colour_do_not_darken_it() {
+    let points = together(LEAST_PATHS);
+    let red = GatherPoint { weight: Vec3::X, found: Vec3::X, ..points[0] };
+    let light = learned(&points);
+    assert_eq!(learned(&[vec![red; 100], points].concat()), light);
+    assert_eq!(light.arriving(&red) * Vec3::new(0.0, 1.0, 1.0), Vec3::ZERO);
+    assert!(red.is_finite() && !GatherPoint { found: Vec3::NAN, ..red }.is_finite());
+}
