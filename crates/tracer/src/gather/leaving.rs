@@ -31,51 +31,88 @@ impl Cell {
     }
 }
 
+/// Cells of one size.
+#[derive(Clone, Debug, PartialEq)]
+struct Level {
+    /// In digits of a place that do not matter.
+    size: u32,
+    cells: FxHashMap<u64, Cell>,
+}
+
+impl Level {
+    /// Empty cells, halved `times` times.
+    fn halved(times: u32) -> Self {
+        Self { size: COARSEST - times, cells: FxHashMap::default() }
+    }
+
+    /// Whether cells of this size may stand for `point`.
+    fn may_share(&self, point: &GatherPoint) -> bool {
+        self.size < u32::from(point.levels)
+    }
+
+    /// The cell of `point`, if it is full and may stand for it.
+    fn full_cell(&self, point: &GatherPoint) -> Option<&Cell> {
+        let cell = self.may_share(point).then(|| self.cells.get(&point.place.cell(self.size)))?;
+        cell.filter(|cell| cell.is_full())
+    }
+
+    /// Adds what paths found at `points`. Share of those that may, whose cell is full then.
+    fn add<I: Iterator<Item = GatherPoint>>(&mut self, points: &impl Fn() -> I) -> f32 {
+        for point in points() {
+            if let Some(leaving) = point.leaving().filter(|_| self.may_share(&point)) {
+                self.cells.entry(point.place.cell(self.size)).or_default().add(leaving);
+            }
+        }
+        let (mut all, mut full) = (0_u32, 0_u32);
+        for point in points().filter(|point| self.may_share(point)) {
+            all += 1;
+            full += u32::from(self.full_cell(&point).is_some());
+        }
+        full as f32 / all.max(1) as f32
+    }
+}
+
 /// What leaves surfaces, as far as paths have found out.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct LeavingLight {
-    /// The coarsest cells first; each level's are half as large as those before.
-    levels: Vec<FxHashMap<u64, Cell>>,
+    /// The largest cells first; each level's are half as large as those before.
+    levels: Vec<Level>,
 }
 
 impl LeavingLight {
-    /// Adds what paths found at `points`, always in their order; there are smaller cells then where many are full.
+    /// Adds what paths found at `points`, always in their order; there are smaller cells next time where many are full.
+    ///
+    /// A path adds to the cells that it will take light from, and to none larger: then what paths take from a cell is on
+    /// average what they brought, and no light is lost where the lit part of a cell has cells of its own.
     pub(crate) fn learn<I: Iterator<Item = GatherPoint>>(&mut self, points: impl Fn() -> I) {
-        let mut share = if points().next().is_some() { 1.0 } else { 0.0 };
-        for (level, cells) in self.levels.iter_mut().enumerate() {
-            share = add(cells, COARSEST - level as u32, points());
+        if points().next().is_none() {
+            return;
         }
-        while share >= FULL && self.levels.len() <= COARSEST as usize {
-            let mut cells = FxHashMap::default();
-            share = add(&mut cells, COARSEST - self.levels.len() as u32, points());
-            self.levels.push(cells);
+        if self.levels.is_empty() {
+            // Cells of all sizes that fill, and of one that does not.
+            let fills = |times: &u32| Level::halved(*times).add(&points) >= FULL;
+            let last = (0..COARSEST).take_while(fills).count() as u32;
+            self.levels = (0..=last).map(Level::halved).collect();
+        }
+        let (smallest, larger) = self.levels.split_last_mut().expect("at least one level");
+        let share = smallest.add(&points);
+        let mut rest: Vec<_> = points().filter(|point| smallest.full_cell(point).is_none()).collect();
+        for level in larger.iter_mut().rev() {
+            // What was too near for smaller cells is for larger ones, too.
+            rest.retain(|point| level.may_share(point));
+            level.add(&|| rest.iter().copied());
+            rest.retain(|point| level.full_cell(point).is_none());
+        }
+        if share >= FULL && smallest.size > 0 {
+            self.levels.push(Level::halved(self.levels.len() as u32));
         }
     }
 
     /// Radiance that arrives at the camera from `point`: that of its smallest full cell, or where that is too large, what
     /// its path found by itself.
     pub(crate) fn arriving(&self, point: &GatherPoint) -> Vec3 {
-        for (level, cells) in self.levels.iter().enumerate().rev() {
-            let level = COARSEST - level as u32;
-            if level >= u32::from(point.levels) {
-                break;
-            }
-            if let Some(cell) = cells.get(&point.place.cell(level)).filter(|cell| cell.is_full()) {
-                return point.weight * cell.mean;
-            }
-        }
-        point.found
+        let allowed = self.levels.iter().rev().take_while(|level| level.may_share(point));
+        let cell = allowed.filter_map(|level| level.full_cell(point)).next();
+        cell.map_or(point.found, |cell| point.weight * cell.mean)
     }
-}
-
-/// Adds what paths found at `points` to the cells of a level. Share of the points that lie in full cells.
-fn add(cells: &mut FxHashMap<u64, Cell>, level: u32, points: impl Iterator<Item = GatherPoint>) -> f32 {
-    let (mut all, mut full) = (0_u32, 0_u32);
-    for (point, leaving) in points.filter_map(|point| Some((point, point.leaving()?))) {
-        let cell = cells.entry(point.place.cell(level)).or_default();
-        cell.add(leaving);
-        all += 1;
-        full += u32::from(cell.is_full());
-    }
-    full as f32 / all.max(1) as f32
 }

@@ -9,8 +9,6 @@ use crate::scene::Bounds;
 /// Largest cell that paths share, against what one path stands for: the directions of its kind, as far away as it went.
 /// Larger ones would blur what lies next to a surface or is seen in its gloss.
 pub(super) const WIDEST: f32 = 0.35;
-/// Albedos are not taken to be smaller: what leaves is kept as a multiple of them.
-const DARKEST: f32 = 0.02;
 
 /// A point on a diffuse surface that a path went on to from the surface that is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,7 +30,7 @@ impl GatherPoint {
         let side = if hit.geometric_normal.dot(hit.outgoing) < 0.0 { -1.0 } else { 1.0 };
         Self {
             place: Place::new((hit.position - bounds.min) * steps, side * hit.geometric_normal),
-            weight: throughput * albedo.max(Vec3::splat(DARKEST)),
+            weight: throughput * albedo,
             found: Vec3::ZERO,
             levels: levels_within(WIDEST * spread * hit.distance * steps),
         }
@@ -42,7 +40,7 @@ impl GatherPoint {
         self.weight.is_finite() && self.found.is_finite()
     }
 
-    /// What leaves the point ÷ its albedo, as the path found it; `None` when it was blind to a colour.
+    /// What leaves the point ÷ its albedo, as the path found it; `None` where the path or the surface is blind to a colour.
     pub(super) fn leaving(&self) -> Option<Vec3> {
         (self.weight.min_element() > 0.0).then(|| self.found / self.weight)
     }

@@ -36,14 +36,29 @@ fn paths_of_a_full_cell_share_what_they_found() {
 
 #[test]
 fn few_paths_and_near_ones_keep_their_own() {
-    let points = together(LEAST_PATHS - 1);
-    assert!(points.iter().all(|point| learned(&points).arriving(point) == point.found));
-    let light = learned(&together(LEAST_PATHS));
-    let finest = 0.5_f32.powi((DIGITS - COARSEST) as i32);
-    let [near, far] = [0.99, 1.01].map(|cells| point(Vec3::splat(1e-4), cells * finest / WIDEST, 77.0));
-    assert!(light.arriving(&near) == near.found && light.arriving(&far) != far.found);
+    // They fill a cell of the largest size, and none that is smaller.
+    let largest = 0.5_f32.powi((DIGITS - COARSEST) as i32);
+    let at = |i: u32, distance| {
+        point(largest * Vec3::new(0.1 + 0.25 * (i % 4) as f32, 0.1, 0.1 + 0.25 * (i / 4) as f32), distance, i as f32)
+    };
+    let spread = |count: u32| learned(&(0..count).map(|i| at(i, 1.0)).collect::<Vec<_>>());
+    let [few, light] = [LEAST_PATHS - 1, LEAST_PATHS].map(spread);
+    let [near, far] = [0.99, 1.01].map(|cells| at(7, cells * largest / WIDEST));
+    assert_eq!([few.arriving(&far), light.arriving(&near)], [far.found; 2]);
+    assert_ne!(light.arriving(&far), far.found);
     let elsewhere = point(Vec3::new(0.9, 1e-4, 1e-4), 1.0, 77.0);
     assert_eq!(light.arriving(&elsewhere), elsewhere.found);
+}
+
+#[test]
+fn light_is_taken_from_cells_it_was_brought_to() {
+    // A bright spot fills a cell of its own; beside it paths are few, and dark.
+    let spot: Vec<_> = (0..100).map(|_| point(Vec3::splat(1e-4), 1.0, 8.0)).collect();
+    let largest = 0.5_f32.powi((DIGITS - COARSEST) as i32);
+    let dark = (0..LEAST_PATHS).map(|i| point(largest * Vec3::new(0.3 + 0.05 * i as f32, 0.6, 0.1), 1.0, 0.0));
+    let points: Vec<_> = spot.into_iter().chain(dark).collect();
+    let light = learned(&points);
+    assert!(points.iter().all(|point| (light.arriving(point) - point.found).abs().max_element() < 1e-4));
 }
 
 #[test]
