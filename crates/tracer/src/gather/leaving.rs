@@ -56,19 +56,20 @@ impl Level {
         cell.filter(|cell| cell.is_full())
     }
 
-    /// Adds what paths found at `points`. Share of those that may, whose cell is full then.
-    fn add<I: Iterator<Item = GatherPoint>>(&mut self, points: &impl Fn() -> I) -> f32 {
-        for point in points() {
+    /// Adds what paths found at `points`.
+    fn add(&mut self, points: impl Iterator<Item = GatherPoint>) {
+        for point in points {
             if let Some(leaving) = point.leaving().filter(|_| self.may_share(&point)) {
                 self.cells.entry(point.place.cell(self.size)).or_default().add(leaving);
             }
         }
-        let (mut all, mut full) = (0_u32, 0_u32);
-        for point in points().filter(|point| self.may_share(point)) {
-            all += 1;
-            full += u32::from(self.full_cell(&point).is_some());
-        }
-        full as f32 / all.max(1) as f32
+    }
+
+    /// Share of the paths so far that were in cells which are full now.
+    fn share_full(&self) -> f32 {
+        let paths = |full: bool| self.cells.values().filter(move |cell| cell.is_full() == full).map(|cell| cell.paths);
+        let [full, others] = [true, false].map(|full| paths(full).map(f64::from).sum::<f64>());
+        (full / (full + others).max(1.0)) as f32
     }
 }
 
@@ -89,23 +90,38 @@ impl LeavingLight {
             return;
         }
         if self.levels.is_empty() {
-            // Cells of all sizes that fill, and of one that does not.
-            let fills = |times: &u32| Level::halved(*times).add(&points) >= FULL;
-            let last = (0..COARSEST).take_while(fills).count() as u32;
-            self.levels = (0..=last).map(Level::halved).collect();
+            self.begin(&points);
+        } else {
+            self.smallest().add(points());
         }
         let (smallest, larger) = self.levels.split_last_mut().expect("at least one level");
-        let share = smallest.add(&points);
-        let mut rest: Vec<_> = points().filter(|point| smallest.full_cell(point).is_none()).collect();
+        let goes_on = |point: &GatherPoint| larger.last().is_some_and(|next| next.may_share(point));
+        let mut rest: Vec<_> = points().filter(|point| goes_on(point) && smallest.full_cell(point).is_none()).collect();
         for level in larger.iter_mut().rev() {
-            // What was too near for smaller cells is for larger ones, too.
-            rest.retain(|point| level.may_share(point));
-            level.add(&|| rest.iter().copied());
-            rest.retain(|point| level.full_cell(point).is_none());
+            level.add(rest.iter().copied());
+            // What is too near for cells of a size is for larger ones, too.
+            rest.retain(|point| level.may_share(point) && level.full_cell(point).is_none());
         }
-        if share >= FULL && smallest.size > 0 {
+        if smallest.share_full() >= FULL && smallest.size > 0 {
             self.levels.push(Level::halved(self.levels.len() as u32));
         }
+    }
+
+    /// The first cells: of all sizes that fill, and of one that does not, which alone has learned already.
+    fn begin<I: Iterator<Item = GatherPoint>>(&mut self, points: &impl Fn() -> I) {
+        for times in 0..=COARSEST {
+            self.levels.push(Level::halved(times));
+            let mut level = Level::halved(times);
+            level.add(points());
+            if level.share_full() < FULL || times == COARSEST {
+                *self.smallest() = level;
+                return;
+            }
+        }
+    }
+
+    fn smallest(&mut self) -> &mut Level {
+        self.levels.last_mut().expect("at least one level")
     }
 
     /// Radiance that arrives at the camera from `point`: that of its smallest full cell, or where that is too large, what
