@@ -69,9 +69,15 @@ impl<'a> Collaborative<'a> {
         monitor: &dyn Monitor,
     ) -> Result<Reconstruction, ReconstructError> {
         let Self { workshop: Workshop { stack, features, settings, .. }, exposure, .. } = *self;
+        let whole = |indirect: IndirectLight, component| {
+            self.rebuilt_whole(indirect.within(component).exposed(exposure), monitor)
+        };
+        if !settings.light.apart {
+            return whole(indirect, component);
+        }
         let share = indirect.direct_share_of_noise(&component.radiance, &stack.samples, exposure);
-        if !settings.light.apart || share >= settings.light.direct_noise {
-            return self.rebuilt_whole(indirect.within(component).exposed(exposure), monitor);
+        if share >= settings.light.direct_noise {
+            return whole(indirect, component);
         }
         let parts = indirect.parts(component.into_owned());
         let [direct, indirect] = parts.map(|part| part.exposed(exposure));

@@ -3,6 +3,7 @@
 
 use std::borrow::Cow;
 
+use rayon::prelude::*;
 use stack::{Component, Estimate, FeatureStack, Image, Noise, SampleCounts};
 
 use crate::best::halves::luminance;
@@ -75,7 +76,7 @@ impl<'a> IndirectLight<'a> {
         let [Component { role, mut radiance }, indirect] = self.parts(whole.into_owned());
         radiance.mean.add(&indirect.radiance.mean);
         if let (Noise::Buckets(buckets), Noise::Buckets(indirect)) = (&mut radiance.noise, &indirect.radiance.noise) {
-            buckets.iter_mut().zip(indirect).for_each(|(bucket, indirect)| bucket.add(indirect));
+            buckets.par_iter_mut().zip(indirect).for_each(|(bucket, indirect)| bucket.add(indirect));
         }
         Cow::Owned(Component { role, radiance })
     }
@@ -84,7 +85,7 @@ impl<'a> IndirectLight<'a> {
 fn without(mut whole: Estimate, indirect: &Estimate) -> Estimate {
     take_off(&mut whole.mean, &indirect.mean);
     if let (Noise::Buckets(buckets), Noise::Buckets(indirect)) = (&mut whole.noise, &indirect.noise) {
-        buckets.iter_mut().zip(indirect).for_each(|(bucket, indirect)| take_off(bucket, indirect));
+        buckets.par_iter_mut().zip(indirect).for_each(|(bucket, indirect)| take_off(bucket, indirect));
     }
     whole
 }
