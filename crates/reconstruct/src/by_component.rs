@@ -69,16 +69,11 @@ impl<'a> Collaborative<'a> {
         monitor: &dyn Monitor,
     ) -> Result<Reconstruction, ReconstructError> {
         let Self { workshop: Workshop { stack, features, settings, .. }, exposure, .. } = *self;
-        let whole = |indirect: IndirectLight, component| {
-            self.rebuilt_whole(indirect.within(component).exposed(exposure), monitor)
+        let share = || indirect.direct_share_of_noise(&component.radiance, &stack.samples, exposure);
+        let little = settings.light.apart.then(share).filter(|share| *share < settings.light.direct_noise);
+        let Some(share) = little else {
+            return self.rebuilt_whole(indirect.within(component).exposed(exposure), monitor);
         };
-        if !settings.light.apart {
-            return whole(indirect, component);
-        }
-        let share = indirect.direct_share_of_noise(&component.radiance, &stack.samples, exposure);
-        if share >= settings.light.direct_noise {
-            return whole(indirect, component);
-        }
         let parts = indirect.parts(component.into_owned());
         let [direct, indirect] = parts.map(|part| part.exposed(exposure));
         let mut sum = Reconstruction::plain(Image::zeros(stack.size(), 3));

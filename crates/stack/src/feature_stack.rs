@@ -148,13 +148,19 @@ impl FeatureStack {
     pub fn bytes(&self) -> usize {
         let components = self.components.iter().map(|component| &component.radiance);
         let features = self.features.iter().map(|feature| &feature.estimate);
-        let estimates = components.chain(&self.indirect).chain(&self.gathered).chain(features);
+        let estimates = components.chain(self.parts_of_light().map(|(_, light)| light)).chain(features);
         estimates.map(Estimate::bytes).sum::<usize>() + self.samples.bytes() + self.passed_through_bytes()
     }
 
     /// Those of them that stay until the picture is rebuilt: indirect and gathered light, and what nobody here interprets.
     pub fn staying_bytes(&self) -> usize {
-        self.indirect.iter().chain(&self.gathered).map(Estimate::bytes).sum::<usize>() + self.passed_through_bytes()
+        self.parts_of_light().map(|(_, light)| light.bytes()).sum::<usize>() + self.passed_through_bytes()
+    }
+
+    /// Indirect and gathered light, where they are known, with the names of their layers in a file.
+    pub fn parts_of_light(&self) -> impl Iterator<Item = (&'static str, &Estimate)> {
+        let parts = [(INDIRECT, &self.indirect), (GATHERED, &self.gathered)];
+        parts.into_iter().filter_map(|(layer, light)| Some((layer, light.as_ref()?)))
     }
 
     fn passed_through_bytes(&self) -> usize {

@@ -35,6 +35,11 @@ impl Budget {
     pub const fn uniform(spp: u32) -> Self {
         Self { first: 0, spp: Some(spp), time: Duration::MAX, target_error: None, uniform: true }
     }
+
+    /// Whether an estimated `error` is as low as the target, if there is one.
+    fn is_met_by(&self, error: f64) -> bool {
+        self.target_error.is_some_and(|target| error <= f64::from(target))
+    }
 }
 
 /// What the loop works with.
@@ -123,7 +128,7 @@ impl State<'_> {
             done += step;
             step = done;
             let (error, ..) = self.estimate()?;
-            if self.good_enough(Some(error)) {
+            if self.budget.is_met_by(error) {
                 break;
             }
         }
@@ -139,7 +144,7 @@ impl State<'_> {
         loop {
             let Some(share) = self.share(round) else { return Ok(()) };
             let (error, map) = self.estimate_and_map(share)?;
-            if self.good_enough(Some(error)) {
+            if self.budget.is_met_by(error) {
                 return Ok(());
             }
             self.trace(&map)?;
@@ -167,10 +172,6 @@ impl State<'_> {
         // The last reconstruction has the larger window: about four times the work of one while iterating.
         let rebuilding = if self.rounds.is_empty() { 0.0 } else { 4.0 * (spent - traced) / self.rounds.len() as f64 };
         spent + growth * traced + rebuilding > self.budget.time.as_secs_f64()
-    }
-
-    fn good_enough(&self, error: Option<f64>) -> bool {
-        matches!((error, self.budget.target_error), (Some(error), Some(target)) if error <= f64::from(target))
     }
 
     fn trace(&mut self, map: &SampleMap) -> Result<()> {
@@ -243,7 +244,7 @@ impl State<'_> {
                 Ok(reconstruction) => {
                     let error = estimated_rmse(&reconstruction.mse, &reconstruction.picture);
                     rounds.push(round(&report, pixels, start, Some(error)));
-                    finished.missed_target = budget.target_error.is_some_and(|target| error > f64::from(target));
+                    finished.missed_target = budget.target_error.is_some() && !budget.is_met_by(error);
                     finished.reconstruction = Some(reconstruction);
                 }
                 Err(ReconstructError::Cancelled(_)) => finished.interrupted = true,
@@ -260,6 +261,7 @@ fn round(report: &TraceReport, pixels: u64, start: Instant, estimated_rmse: Opti
     let seconds = start.elapsed().as_secs_f64();
     Round { spp: report.samples as f64 / pixels as f64, estimated_rmse, seconds }
 }
+
 fn is_cancelled(error: &anyhow::Error) -> bool {
     let in_reconstruction = || matches!(error.downcast_ref(), Some(ReconstructError::Cancelled(_)));
     error.is::<stack::Cancelled>() || in_reconstruction()

@@ -91,13 +91,11 @@ fn found_in(stack: &FeatureStack) -> Found {
         role(name, c.role.layer(), &["R", "G", "B"])
     };
     let roles = stack.components.iter().map(component);
-    let lights = [(INDIRECT, &stack.indirect), (GATHERED, &stack.gathered)];
-    let lights =
-        lights.into_iter().filter(|(_, light)| light.is_some()).map(|(layer, _)| role(layer, layer, &["R", "G", "B"]));
+    let light = stack.parts_of_light().map(|(layer, _)| role(layer, layer, &["R", "G", "B"]));
     let features = stack.features.iter().map(|f| role(f.role.layer(), f.role.layer(), f.role.channels()));
     let spp = Spp { total: stack.samples.total.clone(), from: "samples.Y".into() };
     let mut found = Found { renderer: "Tamis".into(), spp: Some(spp.found()), ..Found::default() };
-    found.roles = roles.chain(lights).chain(features).collect();
+    found.roles = roles.chain(light).chain(features).collect();
     found.conclude(stack);
     found
 }

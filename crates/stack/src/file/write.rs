@@ -108,10 +108,8 @@ fn push_inputs<'a>(channels: &mut Channels<'a>, stack: &'a FeatureStack) {
     for component in &stack.components {
         push_estimate(channels, component.role.layer(), &["R", "G", "B"], &component.radiance);
     }
-    for (layer, light) in [(INDIRECT, &stack.indirect), (GATHERED, &stack.gathered)] {
-        if let Some(light) = light {
-            push_estimate(channels, layer, &["R", "G", "B"], light);
-        }
+    for (layer, light) in stack.parts_of_light() {
+        push_estimate(channels, layer, &["R", "G", "B"], light);
     }
     for feature in &stack.features {
         push_estimate(channels, feature.role.layer(), feature.role.channels(), &feature.estimate);

@@ -8,7 +8,8 @@ use crate::gather::GatherPoint;
 
 /// Channels of radiance: scattered, emission, indirect, gathered.
 pub(super) const RADIANCE_CHANNELS: usize = 12;
-/// Those of gathered light among them.
+/// Those of indirect and of gathered light among them.
+pub(super) const INDIRECT: Range<usize> = 6..9;
 pub(super) const GATHERED: Range<usize> = 9..12;
 /// Channels of features, in the order of [`stack::FeatureRole::ALL`].
 pub(super) const FEATURE_CHANNELS: usize = 13;

@@ -1,5 +1,7 @@
 //! A film as a feature stack, and back.
 
+use std::ops::Range;
+
 use stack::{
     Component, ComponentRole, Dealing, Estimate, Feature, FeatureRole, FeatureStack, GATHERED, INDIRECT, Image, Noise,
     SampleCounts,
@@ -9,36 +11,33 @@ use super::sample::{self, FEATURE_CHANNELS, RADIANCE_CHANNELS};
 use super::{Film, NotAFilm, feature_groups};
 use crate::gather::LeavingLight;
 
-/// First and one past the last channel of each component in a bucket's image.
-fn component_channels() -> impl Iterator<Item = (ComponentRole, usize, usize)> {
-    ComponentRole::ALL.into_iter().enumerate().map(|(i, role)| (role, 3 * i, 3 * i + 3))
+/// Channels of each component in a bucket's image.
+fn component_channels() -> impl Iterator<Item = (ComponentRole, Range<usize>)> {
+    ComponentRole::ALL.into_iter().enumerate().map(|(i, role)| (role, 3 * i..3 * i + 3))
 }
 
-/// The same of indirect light, between all components and gathered light.
-const INDIRECT_CHANNELS: [usize; 2] = [3 * ComponentRole::ALL.len(), sample::GATHERED.start];
-
-/// First and one past the last channel of each feature in a group's image.
-fn feature_channels() -> impl Iterator<Item = (FeatureRole, usize, usize)> {
+/// Channels of each feature in a group's image.
+fn feature_channels() -> impl Iterator<Item = (FeatureRole, Range<usize>)> {
     FeatureRole::ALL.into_iter().scan(0, |next, role| {
         let first = *next;
         *next += role.channels().len();
-        Some((role, first, *next))
+        Some((role, first..*next))
     })
 }
 
-/// Takes channels `first..end` out of every group's image.
-fn cut(groups: &mut [Image], first: usize, end: usize, counts: &SampleCounts) -> Estimate {
+/// Takes `channels` out of every group's image.
+fn cut(groups: &mut [Image], channels: Range<usize>, counts: &SampleCounts) -> Estimate {
     let cut = |image: &mut Image| {
         let size = image.size();
-        let channels = image.channels_mut()[first..end].iter_mut().map(std::mem::take).collect();
+        let channels = image.channels_mut()[channels.clone()].iter_mut().map(std::mem::take).collect();
         Image::from_channels(size, channels)
     };
     Estimate::from_buckets(groups.iter_mut().map(cut).collect(), counts)
 }
 
 impl Film {
-    /// The film as a feature stack: both components, indirect and gathered light with all buckets, all features as halves (without
-    /// noise when there is only one bucket).
+    /// The film as a feature stack: both components, indirect and gathered light with all buckets, all features as halves
+    /// (without noise when there is only one bucket).
     pub fn to_stack(&self) -> FeatureStack {
         let Self { window, size, ref counts, ref radiance, ref features, .. } = *self;
         let [radiance, features] = [radiance, features].map(Clone::clone);
@@ -49,13 +48,12 @@ impl Film {
     pub fn into_stack(mut self) -> FeatureStack {
         let counts = &self.counts;
         let components = component_channels()
-            .map(|(role, first, end)| Component { role, radiance: cut(&mut self.radiance, first, end, counts) })
+            .map(|(role, channels)| Component { role, radiance: cut(&mut self.radiance, channels, counts) })
             .collect();
-        let [first, end] = INDIRECT_CHANNELS;
-        let indirect = Some(cut(&mut self.radiance, first, end, counts));
-        let gathered = Some(cut(&mut self.radiance, sample::GATHERED.start, sample::GATHERED.end, counts));
+        let [indirect, gathered] =
+            [sample::INDIRECT, sample::GATHERED].map(|channels| Some(cut(&mut self.radiance, channels, counts)));
         let features = feature_channels()
-            .map(|(role, first, end)| Feature { role, estimate: cut(&mut self.features, first, end, counts) })
+            .map(|(role, channels)| Feature { role, estimate: cut(&mut self.features, channels, counts) })
             .collect();
         FeatureStack {
             window: self.window,

@@ -65,11 +65,16 @@ impl Level {
         }
     }
 
-    /// Share of the paths so far that were in cells which are full now.
-    fn share_full(&self) -> f32 {
+    /// Whether `point` could take light from cells of this size, but its cell is not full.
+    fn leaves_out(&self, point: &GatherPoint) -> bool {
+        self.may_share(point) && self.full_cell(point).is_none()
+    }
+
+    /// Whether so many of the paths so far were in cells which are full now that there should be smaller ones.
+    fn is_filled(&self) -> bool {
         let paths = |full: bool| self.cells.values().filter(move |cell| cell.is_full() == full).map(|cell| cell.paths);
         let [full, others] = [true, false].map(|full| paths(full).map(f64::from).sum::<f64>());
-        (full / (full + others).max(1.0)) as f32
+        self.size > 0 && (full / (full + others).max(1.0)) as f32 >= FULL
     }
 }
 
@@ -89,46 +94,39 @@ impl LeavingLight {
         if points().next().is_none() {
             return;
         }
-        if self.levels.is_empty() {
-            self.begin(&points);
-        } else {
-            self.smallest().add(points());
+        match self.levels.last_mut() {
+            Some(smallest) => smallest.add(points()),
+            None => self.begin(&points),
         }
-        let (smallest, larger) = self.levels.split_last_mut().expect("at least one level");
-        let goes_on = |point: &GatherPoint| larger.last().is_some_and(|next| next.may_share(point));
-        let mut rest: Vec<_> = points().filter(|point| goes_on(point) && smallest.full_cell(point).is_none()).collect();
+        let Some((smallest, larger)) = self.levels.split_last_mut() else { return };
+        let mut rest: Vec<_> = points().filter(|point| smallest.leaves_out(point)).collect();
         for level in larger.iter_mut().rev() {
             level.add(rest.iter().copied());
             // What is too near for cells of a size is for larger ones, too.
-            rest.retain(|point| level.may_share(point) && level.full_cell(point).is_none());
+            rest.retain(|point| level.leaves_out(point));
         }
-        if smallest.share_full() >= FULL && smallest.size > 0 {
+        if smallest.is_filled() {
             self.levels.push(Level::halved(self.levels.len() as u32));
         }
     }
 
     /// The first cells: of all sizes that fill, and of one that does not, which alone has learned already.
     fn begin<I: Iterator<Item = GatherPoint>>(&mut self, points: &impl Fn() -> I) {
-        for times in 0..=COARSEST {
-            self.levels.push(Level::halved(times));
-            let mut level = Level::halved(times);
-            level.add(points());
-            if level.share_full() < FULL || times == COARSEST {
-                *self.smallest() = level;
+        for times in 0.. {
+            let mut smallest = Level::halved(times);
+            smallest.add(points());
+            if !smallest.is_filled() {
+                self.levels.push(smallest);
                 return;
             }
+            self.levels.push(Level::halved(times));
         }
-    }
-
-    fn smallest(&mut self) -> &mut Level {
-        self.levels.last_mut().expect("at least one level")
     }
 
     /// Radiance that arrives at the camera from `point`: that of its smallest full cell, or where that is too large, what
     /// its path found by itself.
     pub(crate) fn arriving(&self, point: &GatherPoint) -> Vec3 {
-        let allowed = self.levels.iter().rev().take_while(|level| level.may_share(point));
-        let cell = allowed.filter_map(|level| level.full_cell(point)).next();
+        let cell = self.levels.iter().rev().find_map(|level| level.full_cell(point));
         cell.map_or(point.found, |cell| point.weight * cell.mean)
     }
 }

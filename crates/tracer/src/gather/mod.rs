@@ -6,7 +6,7 @@
 //! space found by hashing, Binder, Fricke and Keller 2019). Cells become smaller as there are more paths to share: the
 //! average is biased, but consistent.
 //!
-//! A path leaves a `point` where it goes on from the surface that is seen to a diffuse one; its `place` says which cells it
+//! A path records a `point` where it goes on from the surface that is seen to a diffuse one; its `place` says which cells it
 //! lies in; `leaving` knows what leaves them.
 
 mod leaving;

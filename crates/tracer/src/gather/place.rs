@@ -21,9 +21,9 @@ impl Place {
         Self([(all >> 32) as u32, all as u32])
     }
 
-    /// The cell it lies in: its digits without the last `level` of each axis.
-    pub(super) const fn cell(self, level: u32) -> u64 {
-        let kept = ((1 << DIGITS) - 1) >> level << level;
+    /// The cell it lies in: its digits without the last `size` of each axis.
+    pub(super) const fn cell(self, size: u32) -> u64 {
+        let kept = ((1 << DIGITS) - 1) >> size << size;
         let axes = kept | kept << DIGITS | kept << (2 * DIGITS);
         let [high, low] = self.0;
         ((high as u64) << 32 | low as u64) & (axes | 0b111 << (3 * DIGITS))
