@@ -31,6 +31,12 @@ pub struct Interaction<'a> {
 }
 
 impl Interaction<'_> {
+    /// The triangle's unit normal, on the viewer's side.
+    #[inline]
+    pub(crate) fn facing_normal(&self) -> Vec3 {
+        if self.geometric_normal.dot(self.outgoing) < 0.0 { -self.geometric_normal } else { self.geometric_normal }
+    }
+
     /// A ray that leaves this point in the unit direction `direction`, moved off the surface by no more than the
     /// rounding error demands.
     #[inline]

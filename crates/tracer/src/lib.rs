@@ -10,6 +10,7 @@ pub mod integrator;
 pub mod interaction;
 pub mod light;
 pub mod material;
+mod photon;
 mod ray;
 pub mod sampler;
 pub mod scene;

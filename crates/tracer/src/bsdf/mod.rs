@@ -38,5 +38,6 @@ pub use glass::Glass;
 pub use lobe::{Lobe, Scattered};
 pub use mirror::Mirror;
 pub use rough_glass::RoughGlass;
+pub(crate) use surface::may_be_specular;
 pub use surface::{Bsdf, DirectionSample};
 pub use thin_glass::ThinGlass;

@@ -6,7 +6,7 @@ use super::frame::Frame;
 use super::{Coated, Conductor, Diffuse, Glass, Lobe, Mirror, RoughGlass, Scattered, ThinGlass, fresnel};
 use crate::interaction::Interaction;
 use crate::light::Receiver;
-use crate::material::{Colour, Surface, SurfaceMaps};
+use crate::material::{Colour, Material, Surface, SurfaceMaps};
 
 /// Metals and glass smoother than this are perfectly smooth: their highlight is narrower than any pixel.
 const SMOOTH_ALPHA: f32 = 1e-3;
@@ -144,6 +144,18 @@ impl Bsdf {
         }
         let local = self.frame.to_local(incoming);
         (above == (local.z > 0.0)).then_some(local)
+    }
+}
+
+/// Whether a surface of `material` scatters into single directions only, anywhere.
+pub(crate) fn may_be_specular(material: &Material) -> bool {
+    let maps = &material.maps;
+    let is_smooth = |alpha: f32| alpha < SMOOTH_ALPHA || maps.roughness.is_some();
+    match &material.surface {
+        Surface::Mirror { .. } | Surface::ThinGlass { .. } => true,
+        Surface::Glass { alpha, .. } | Surface::Conductor { alpha, .. } => is_smooth(*alpha),
+        Surface::Coated { alpha, .. } => maps.metallic.is_some() && is_smooth(*alpha),
+        Surface::Diffuse { .. } => false,
     }
 }
 

@@ -57,6 +57,11 @@ impl Camera {
         Ray { origin, direction, t_max: f32::INFINITY, time }
     }
 
+    /// Width of a pixel in the middle of the picture, at distance 1 from the eye.
+    pub(crate) fn pixel_width(&self) -> f32 {
+        2.0 * (0.5 * self.fov.to_radians()).tan() / self.film.height as f32
+    }
+
     /// Unit vectors to the right, up and forward.
     fn frame(&self) -> [Vec3; 3] {
         let forward = (self.look_at - self.eye).normalize();

@@ -27,9 +27,8 @@ impl GatherPoint {
     /// `spread`², in a scene of those `bounds`.
     pub(crate) fn new(hit: &Interaction, albedo: Vec3, throughput: Vec3, spread: f32, bounds: Bounds) -> Self {
         let steps = (1 << DIGITS) as f32 / (bounds.max - bounds.min).max_element();
-        let side = if hit.geometric_normal.dot(hit.outgoing) < 0.0 { -1.0 } else { 1.0 };
         Self {
-            place: Place::new((hit.position - bounds.min) * steps, side * hit.geometric_normal),
+            place: Place::new((hit.position - bounds.min) * steps, hit.facing_normal()),
             weight: throughput * albedo,
             found: Vec3::ZERO,
             levels: levels_within(WIDEST * spread * hit.distance * steps),

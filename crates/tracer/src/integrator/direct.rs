@@ -57,7 +57,7 @@ impl PathTracer<'_> {
                 }
                 _ => 1.0,
             };
-            path.add_scattered(path.throughput * value * sample.radiance * (weight / sample.pdf));
+            path.add_scattered(path.throughput * value * sample.radiance * (weight / sample.pdf), 1.0);
         }
         true
     }

@@ -3,6 +3,7 @@
 //! `path` follows one path, event by event; `direct`, `features` and `roulette` are its events; `passes` cuts work into
 //! pieces and `trace` runs them.
 
+mod caustic;
 mod direct;
 mod error;
 mod features;
@@ -13,6 +14,8 @@ mod roulette;
 mod settings;
 mod trace;
 
+#[cfg(test)]
+mod caustic_tests;
 #[cfg(test)]
 mod closed_form_tests;
 #[cfg(test)]

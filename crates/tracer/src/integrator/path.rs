@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 
+use super::caustic::Photons;
 use super::direct::Surface;
 use super::path_state::{Departure, Path};
 use super::{TraceSettings, features, roulette};
@@ -11,6 +12,7 @@ use crate::film::SampleRecord;
 use crate::gather::GatherPoint;
 use crate::interaction::Interaction;
 use crate::light::Lights;
+use crate::photon;
 use crate::sampler::{Decision, Stream};
 use crate::scene::Scene;
 
@@ -30,15 +32,16 @@ impl<'a> PathTracer<'a> {
 
     /// Follows the path that begins with `camera_ray`, its decisions taken from `stream`. Returns what it recorded, and
     /// how many rays it took. Radiance is unbiased but for paths longer than `max_depth`.
-    pub fn follow(&self, camera_ray: Ray, stream: &Stream) -> (SampleRecord, u64) {
+    pub(super) fn follow(&self, camera_ray: Ray, stream: &Stream, photons: Option<&Photons>) -> (SampleRecord, u64) {
         let mut path = Path::new(camera_ray);
         for bounce in 0..=self.settings.max_depth {
             path.rays += 1;
             let Some(hit) = self.scene.intersect(&path.ray) else {
-                self.leave_scene(&mut path, bounce);
+                self.leave_scene(&mut path, bounce, photons);
                 break;
             };
-            self.see_emitter(&mut path, &hit);
+            path.length += hit.distance;
+            self.see_emitter(&mut path, &hit, photons);
             let comes_next = path.settled && !path.indirect;
             path.indirect |= path.settled;
             let bsdf = Bsdf::at(&hit);
@@ -57,6 +60,12 @@ impl<'a> PathTracer<'a> {
                 recorded.proximity = features::proximity(hit.distance, recorded.depth);
                 recorded.lit = f32::from(arrives);
             }
+            if !bsdf.is_specular() {
+                path.landing = None;
+            }
+            if let Some(photons) = photons.filter(|_| is_feature_hit && goes_on && !bsdf.is_specular()) {
+                photons.show(&mut path, &surface, self.settings.max_depth);
+            }
             if !(goes_on && scatter(&mut path, &surface, stream) && self.survives(&mut path, bounce, stream)) {
                 break;
             }
@@ -65,20 +74,22 @@ impl<'a> PathTracer<'a> {
     }
 
     /// The path meets nothing but the sky.
-    fn leave_scene(&self, path: &mut Path, bounce: u32) {
+    fn leave_scene(&self, path: &mut Path, bounce: u32, photons: Option<&Photons>) {
         let direction = path.ray.direction;
         let share = self.found_share(path.departure, |from| self.lights.sky_pdf(from.receiver, direction));
-        path.add_emission(share * self.lights.sky_radiance(direction));
+        let left = photons.map_or(1.0, |photons| photons.leave_of_sky(path));
+        path.add_emission(share * self.lights.sky_radiance(direction), left);
         if !path.settled {
             path.set_features(features::of_miss(&path.ray, self.scene.bounds()), true, bounce == 0);
         }
     }
 
     /// Adds what `hit` emits towards the path.
-    fn see_emitter(&self, path: &mut Path, hit: &Interaction) {
+    fn see_emitter(&self, path: &mut Path, hit: &Interaction, photons: Option<&Photons>) {
         let Some(emitter) = hit.emitter else { return };
         let share = self.found_share(path.departure, |from| self.lights.light_pdf(from.receiver, emitter, hit));
-        path.add_emission(share * self.lights.emitted(emitter, hit));
+        let left = photons.map_or(1.0, |photons| photons.leave_of_lamp(path, emitter, hit));
+        path.add_emission(share * self.lights.emitted(emitter, hit), left);
     }
 
     /// Records features until they are settled. Whether they are settled here: then the light sample taken here decides
@@ -109,6 +120,14 @@ fn scatter(path: &mut Path, at: &Surface, stream: &Stream) -> bool {
     let Some(sample) = at.bsdf.sample_direction(choice, stream.sample_2d(Decision::direction(at.bounce))) else {
         return false;
     };
+    if let Some(landing) = &mut path.landing {
+        if at.bsdf.is_specular() {
+            landing.thinned *=
+                sample.eta * sample.eta * photon::bent(at.hit, at.bsdf, sample.direction, at.hit.outgoing);
+        } else {
+            landing.cosine = landing.normal.dot(sample.direction).max(0.0);
+        }
+    }
     path.throughput *= sample.weight;
     path.eta_scale *= sample.eta * sample.eta;
     path.specular &= at.bsdf.is_specular();

@@ -16,6 +16,19 @@ pub(super) struct Departure {
     pub(super) receiver: Receiver,
 }
 
+/// A surface where light is looked for among photons, too.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Landing {
+    /// Squared radius of the disc that photons are looked for in × how many count.
+    pub(super) sent: f32,
+    /// The surface's unit normal.
+    pub(super) normal: Vec3,
+    /// Cosine of the direction that the path took from there.
+    pub(super) cosine: f32,
+    /// By what mirrors and glass since have thinned photons out.
+    pub(super) thinned: f32,
+}
+
 /// A path while it is being followed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Path {
@@ -27,6 +40,10 @@ pub(super) struct Path {
     pub(super) eta_scale: f32,
     /// `None` when light along `ray` can be found in no other way: straight from the camera, a mirror or glass.
     pub(super) departure: Option<Departure>,
+    /// Length of its way so far.
+    pub(super) length: f32,
+    /// Where photons show it caustics, as long as it has met only mirrors and clear glass since.
+    pub(super) landing: Option<Landing>,
     /// Square root of the solid angle that it stands for: 1/√pdf of where it went when it last had a choice.
     pub(super) spread: f32,
     /// Whether all surfaces so far were perfect mirrors or clear glass.
@@ -49,6 +66,8 @@ impl Path {
             throughput: Vec3::ONE,
             eta_scale: 1.0,
             departure: None,
+            length: 0.0,
+            landing: None,
             spread: 0.0,
             specular: true,
             settled: false,
@@ -58,25 +77,25 @@ impl Path {
         }
     }
 
-    /// Adds radiance that `ray` meets at its end.
+    /// Adds radiance that `ray` meets at its end, of which photons leave the share `left` to be gathered.
     #[inline]
-    pub(super) fn add_emission(&mut self, radiance: Vec3) {
+    pub(super) fn add_emission(&mut self, radiance: Vec3, left: f32) {
         if self.specular {
             self.record.emission += self.throughput * radiance;
         } else {
-            self.add_scattered(self.throughput * radiance);
+            self.add_scattered(self.throughput * radiance, left);
         }
     }
 
-    /// Adds radiance that reaches the camera from where the path is.
+    /// Adds radiance that reaches the camera from where the path is, the share `left` of it to be gathered.
     #[inline]
-    pub(super) fn add_scattered(&mut self, radiance: Vec3) {
+    pub(super) fn add_scattered(&mut self, radiance: Vec3, left: f32) {
         self.record.scattered += radiance;
         if self.indirect {
             self.record.indirect += radiance;
             match &mut self.record.to_gather {
-                Some(point) => point.found += radiance,
-                None => self.record.gathered += radiance,
+                Some(point) => point.found += left * radiance,
+                None => self.record.gathered += left * radiance,
             }
         }
     }

@@ -35,6 +35,9 @@ stack::knobs! {
         feature_hit: FeatureHit = FeatureHit::FirstNonSpecular, ..;
         /// How light that comes directly from a lamp or the sky is found. Changes noise, not the mean.
         direct_light: DirectLight = DirectLight::Both, ..;
+        /// Photons sent for every sample of a pixel to what mirrors and refracts, from lamps and the sky. They show caustics
+        /// in the light that is gathered. Nothing else depends on them; 0 sends none.
+        photons: f32 = 0.125, 0.0..=64.0;
         /// Independently scrambled sequences that a pixel's samples are dealt to. More make the buckets' spread a truer
         /// measure of noise; fewer make less noise. Must divide `buckets`.
         sequences: u32 = 8, 1..=64;

@@ -4,11 +4,16 @@ use glam::Vec2;
 use rayon::prelude::*;
 use stack::{Cancelled, Knobs, Monitor, SampleMap, place};
 
+use super::caustic::Photons;
 use super::{PathTracer, TraceError, TraceSettings, passes};
 use crate::camera::Camera;
 use crate::film::{Film, SampleRecord, Tile, TileSums};
+use crate::photon::{Emitter, PhotonMap};
 use crate::sampler::{self, Decision, Sampler, Stream};
 use crate::scene::Scene;
+
+/// Most photons sent for a bucket in a pass.
+const MOST_PHOTONS: f64 = (1 << 22) as f64;
 
 /// What tracing took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -56,6 +61,8 @@ pub fn trace(
         paths: PathTracer::new(scene, settings),
         camera,
         sampler: Sampler::new(settings.seed),
+        emitter: (settings.photons > 0.0).then(|| Emitter::new(scene, settings.max_depth, settings.seed)).flatten(),
+        pixel_width: camera.pixel_width(),
         corner: [film.window().x, film.window().y],
         map,
         settings,
@@ -63,7 +70,10 @@ pub fn trace(
     let tiles = Tile::all(film.window().size);
     let mut report = TraceReport::default();
     for pass in 0..passes::count(map) {
-        let traced = work.trace_pass(&tiles, pass, monitor).map_err(|Cancelled| TraceError::Cancelled(report))?;
+        let (photons, rays) = work.send_photons(pass, film.counts().total.iter().map(|n| u64::from(*n)).sum());
+        report.rays += rays;
+        let traced =
+            work.trace_pass(&tiles, pass, &photons, monitor).map_err(|Cancelled| TraceError::Cancelled(report))?;
         let (mut sums, reports): (Vec<_>, Vec<_>) = traced.into_iter().unzip();
         film.add_pass(&mut sums);
         report = reports.into_iter().fold(report, TraceReport::plus);
@@ -101,6 +111,9 @@ struct Work<'a> {
     paths: PathTracer<'a>,
     camera: &'a Camera,
     sampler: Sampler,
+    /// Sends photons, where there is something that they could find.
+    emitter: Option<Emitter<'a>>,
+    pixel_width: f32,
     /// Film coordinates of the window's top left pixel.
     corner: [i32; 2],
     map: &'a SampleMap,
@@ -108,11 +121,31 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
+    /// Photons for the samples of one pass, for every bucket; and how many rays they took. None when there is nothing to
+    /// find. `before` so many samples are on the film.
+    fn send_photons(&self, pass: u32, before: u64) -> (Vec<PhotonMap>, u64) {
+        let Some(emitter) = &self.emitter else { return (vec![], 0) };
+        let TraceSettings { sequences, buckets, photons, .. } = *self.settings;
+        let mut samples = vec![0_u64; buckets as usize];
+        for pixel in 0..self.map.count.len() {
+            for index in passes::samples(self.map, pixel, pass) {
+                samples[place(index, sequences, buckets).bucket as usize] += 1;
+            }
+        }
+        let sent = samples.into_iter().enumerate().map(|(bucket, samples)| {
+            let count = (f64::from(photons) * samples as f64).ceil().min(MOST_PHOTONS) as u32;
+            emitter.send(&self.paths.lights, before, bucket as u32, count)
+        });
+        let (maps, rays): (Vec<_>, Vec<_>) = sent.unzip();
+        (maps, rays.into_iter().sum())
+    }
+
     /// Sums of one pass, in the order of `tiles`, without those that have nothing to do.
     fn trace_pass(
         &self,
         tiles: &[Tile],
         pass: u32,
+        photons: &[PhotonMap],
         monitor: &dyn Monitor,
     ) -> Result<Vec<(TileSums, TraceReport)>, Cancelled> {
         let has_work = |tile: &Tile| tile.pixels().any(|(_, _, p)| !passes::samples(self.map, p, pass).is_empty());
@@ -120,14 +153,14 @@ impl Work<'_> {
             if monitor.cancelled() {
                 return Err(Cancelled);
             }
-            let (sums, report) = self.trace_tile(tile, pass);
+            let (sums, report) = self.trace_tile(tile, pass, photons);
             monitor.advance(report.samples);
             Ok((sums, report))
         };
         tiles.par_iter().filter(|tile| has_work(tile)).map(trace_tile).collect()
     }
 
-    fn trace_tile(&self, tile: &Tile, pass: u32) -> (TileSums, TraceReport) {
+    fn trace_tile(&self, tile: &Tile, pass: u32, maps: &[PhotonMap]) -> (TileSums, TraceReport) {
         let samples = tile.pixels().map(|(_, _, pixel)| passes::samples(self.map, pixel, pass).len()).sum();
         let mut sums = TileSums::new(tile.clone(), self.settings.buckets, samples);
         let mut report = TraceReport::default();
@@ -135,7 +168,10 @@ impl Work<'_> {
             let on_film = [self.corner[0] + x as i32, self.corner[1] + y as i32];
             for index in passes::samples(self.map, pixel, pass) {
                 let at = place(index, self.settings.sequences, self.settings.buckets);
-                let (mut record, rays) = self.sample_pixel(on_film, &self.sampler.stream(on_film, at));
+                let photons = self.emitter.as_ref();
+                let photons = photons.map(|emitter| Photons::new(emitter, maps, at.bucket, self.pixel_width, index));
+                let (mut record, rays) =
+                    self.sample_pixel(on_film, &self.sampler.stream(on_film, at), photons.as_ref());
                 let not_finite = u64::from(record.make_finite());
                 report = report.plus(TraceReport { samples: 1, rays, not_finite });
                 sums.add(i, at.bucket, &record);
@@ -145,11 +181,11 @@ impl Work<'_> {
     }
 
     /// One sample of the film's pixel in column `pixel[0]`, row `pixel[1]`.
-    fn sample_pixel(&self, pixel: [i32; 2], stream: &Stream) -> (SampleRecord, u64) {
+    fn sample_pixel(&self, pixel: [i32; 2], stream: &Stream, photons: Option<&Photons>) -> (SampleRecord, u64) {
         let on_film = Vec2::new(pixel[0] as f32, pixel[1] as f32) + stream.sample_2d(Decision::FILM);
         let lens = stream.sample_2d(Decision::LENS);
         let ray = self.camera.ray(on_film, lens, stream.sample_1d(Decision::TIME));
-        self.paths.follow(ray, stream)
+        self.paths.follow(ray, stream, photons)
     }
 }
 

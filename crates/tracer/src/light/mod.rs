@@ -126,6 +126,13 @@ impl<'a> Lights<'a> {
         }
     }
 
+    /// A point of emitter `emitter` chosen by `u` in [0, 1)², uniform over its area, seen from along its normal; and its
+    /// radiance.
+    pub(crate) fn point_of_lamp(&self, emitter: usize, u: Vec2) -> (Interaction<'a>, Vec3) {
+        let light = &self.scene.emitters[emitter];
+        triangle::point(light, &self.scene.materials[light.material as usize], u)
+    }
+
     /// Radiance of the sky at `direction`.
     pub fn sky_radiance(&self, direction: Vec3) -> Vec3 {
         self.sky.map_or(Vec3::ZERO, |sky| sky.environment.radiance(direction))

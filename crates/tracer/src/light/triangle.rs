@@ -17,7 +17,7 @@ pub(super) fn sample(
 ) -> Option<LightSample> {
     let weights = sample_triangle(u);
     let corners = light.vertices;
-    let point = weights[0] * corners[0] + weights[1] * corners[1] + weights[2] * corners[2];
+    let point = weighted(weights, corners);
     let span = point - from.position;
     let distance = span.length();
     let direction = span / distance;
@@ -27,6 +27,28 @@ pub(super) fn sample(
     }
     let shadow_ray = from.spawn_to(point, light.normal, rounding(weights, corners));
     Some(LightSample { direction, radiance: radiance(light, material, weights), pdf, is_delta: false, shadow_ray })
+}
+
+/// The point of `light` chosen by `u`, uniform over its area, seen from along its normal; and its radiance.
+pub(super) fn point<'a>(light: &EmissiveTriangle, material: &'a Material, u: Vec2) -> (Interaction<'a>, Vec3) {
+    let weights = sample_triangle(u);
+    let point = Interaction {
+        position: weighted(weights, light.vertices),
+        position_error: rounding(weights, light.vertices),
+        geometric_normal: light.normal,
+        shading_normal: light.normal,
+        uv: Vec2::ZERO,
+        outgoing: light.normal,
+        distance: 0.0,
+        time: 0.0,
+        emitter: None,
+        material,
+    };
+    (point, radiance(light, material, weights))
+}
+
+fn weighted(weights: [f32; 3], corners: [Vec3; 3]) -> Vec3 {
+    weights[0] * corners[0] + weights[1] * corners[1] + weights[2] * corners[2]
 }
 
 /// Radiance of the point with barycentric coordinates `weights`. A light that is not there everywhere shines by the share

@@ -19,6 +19,7 @@ mod obj;
 mod picture_file;
 mod relief;
 mod source;
+mod specular;
 mod surface;
 mod textures;
 
