@@ -17,7 +17,7 @@
 //!
 //! OBJ's K_d, K_s, N_s map to `diffuse`, `specular`, α = √(2/(N_s + 2)).
 
-use std::f32::consts::FRAC_1_PI;
+use std::f32::consts::{FRAC_1_PI, PI};
 
 use glam::{Vec2, Vec3};
 
@@ -79,7 +79,19 @@ impl Coated {
     #[inline]
     pub(super) fn evaluate(&self, outgoing: Vec3, incoming: Vec3) -> Vec3 {
         let (coat, facet_cosine) = self.ggx.evaluate(outgoing, incoming);
+        coat * fresnel::schlick(self.specular, facet_cosine) + self.evaluate_base(incoming)
+    }
+
+    /// The part of [`evaluate`](Self::evaluate) that light takes through the base.
+    #[inline]
+    pub(super) fn evaluate_base(&self, incoming: Vec3) -> Vec3 {
         let leaving = Vec3::ONE - self.albedo.directional(self.specular, incoming.z);
-        coat * fresnel::schlick(self.specular, facet_cosine) + self.base * leaving * incoming.z
+        self.base * leaving * incoming.z
+    }
+
+    /// What the base reflects to the viewer of light that is even below the coat: π times its radiance.
+    #[inline]
+    pub(super) fn base_albedo(&self) -> Vec3 {
+        PI * self.base
     }
 }

@@ -49,6 +49,30 @@ impl Lobe {
         matches!(self, Self::Diffuse(_))
     }
 
+    /// What a part of it reflects that looks equally bright from all sides, but for a factor that this includes; `None`
+    /// where there is no such part.
+    #[inline]
+    pub fn even_albedo(&self) -> Option<Vec3> {
+        match self {
+            Self::Diffuse(diffuse) => Some(diffuse.reflectance),
+            Self::Coated(coated) => Some(coated.base_albedo()).filter(|albedo| *albedo != Vec3::ZERO),
+            _ => None,
+        }
+    }
+
+    /// The share of that part in [`evaluate`](Self::evaluate).
+    #[inline]
+    pub fn even_share(&self, outgoing: Vec3, incoming: Vec3) -> Vec3 {
+        match self {
+            Self::Diffuse(_) => Vec3::ONE,
+            Self::Coated(coated) if incoming.z > 0.0 => {
+                let all = coated.evaluate(outgoing, incoming).max(Vec3::splat(f32::MIN_POSITIVE));
+                (coated.evaluate_base(incoming) / all).min(Vec3::ONE)
+            }
+            _ => Vec3::ZERO,
+        }
+    }
+
     /// Whether light from beyond the surface matters to [`evaluate`](Self::evaluate).
     #[inline]
     pub const fn is_two_sided(&self) -> bool {

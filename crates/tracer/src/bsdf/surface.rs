@@ -70,6 +70,19 @@ impl Bsdf {
         self.lobe.is_diffuse()
     }
 
+    /// What a part of it reflects to the viewer that looks equally bright from all sides, but for a factor that this
+    /// includes: a diffuse surface, or the base of a coated one. `None` where there is no such part.
+    #[inline]
+    pub fn even_albedo(&self) -> Option<Vec3> {
+        self.lobe.even_albedo()
+    }
+
+    /// The share of that part in what is reflected of light from the unit vector `incoming`.
+    #[inline]
+    pub fn even_share(&self, incoming: Vec3) -> Vec3 {
+        self.local_incoming(incoming).map_or(Vec3::ZERO, |local| self.lobe.even_share(self.local_outgoing, local))
+    }
+
     /// What the albedo feature holds, 0 … 1: diffuse reflectance, reflectance at normal incidence of metals and mirrors,
     /// tint of glass; of a coated surface F₀ + (1 − F₀) k_d.
     #[inline]

@@ -5,21 +5,22 @@
 //! β f cos θ L/(p + βq) is what it adds (Georgiev et al. 2012, with all but the last choice of a path made by mirrors and
 //! glass, which are the same for both).
 
-use glam::Vec3;
-
 use super::direct::Surface;
 use super::path_state::{Landing, Path};
 use crate::interaction::Interaction;
-use crate::photon::{Emitter, PhotonMap};
+use crate::photon::{Emitter, FEW, Landed};
 
 /// Radius of the disc that photons are looked for in, in pixels …
 const REACH: f32 = 1.4;
 
-/// … and how many photons are enough: where there are more, the disc is smaller, for caustics to be sharp …
+/// … and where light is gathered, against what a path stands for (as [`GatherPoint`](crate::gather::GatherPoint) knows it).
+const REACH_WHERE_GATHERED: f32 = 0.1;
+
+/// How many photons are enough: where there are more, the disc is smaller, for caustics to be sharp …
 const ENOUGH: f32 = 4.0;
 
-/// … but no smaller than this share of its area.
-const SMALLEST: f32 = 1.0 / 32.0;
+/// … up to this many.
+const MOST: u32 = 64;
 
 /// β: photons blur, and pixels share what is wrong with them. Where paths are good enough, they shall do it.
 const TRUST: f32 = 0.1;
@@ -30,48 +31,48 @@ pub(super) struct Photons<'a> {
     /// How they were sent.
     emitter: &'a Emitter<'a>,
     /// Those of the bucket the path belongs to.
-    map: &'a PhotonMap,
+    own: &'a Landed,
     /// Those of another one, which tell how many there are without knowing these.
-    others: &'a PhotonMap,
+    others: &'a Landed,
     /// Radius of the disc that they are looked for in, over the length of the path.
     reach: f32,
 }
 
 impl<'a> Photons<'a> {
-    /// Those of the `bucket` among `maps` for sample number `index` of pixels `pixel_width` wide: discs shrink, so that
+    /// Those of the `bucket` among `landed` for sample number `index` of pixels `pixel_width` wide: discs shrink, so that
     /// many samples leave nothing of their blur (Knaus and Zwicker 2011).
     pub(super) fn new(
         emitter: &'a Emitter<'a>,
-        maps: &'a [PhotonMap],
+        landed: &'a [Landed],
         bucket: u32,
         pixel_width: f32,
         index: u32,
     ) -> Self {
         let (bucket, shrunk) = (bucket as usize, (1.0 + index as f32 / 8.0).powf(-1.0 / 6.0));
-        let others = &maps[(bucket + 1) % maps.len()];
-        Photons { emitter, map: &maps[bucket], others, reach: REACH * pixel_width * shrunk }
+        let others = &landed[(bucket + 1) % landed.len()];
+        Photons { emitter, own: &landed[bucket], others, reach: REACH * pixel_width * shrunk }
     }
 
     /// Adds to what `path` gathers the caustic at the surface it has come to, and remembers where that is.
     pub(super) fn show(&self, path: &mut Path, at: &Surface, max_depth: u32) {
-        let (position, normal) = (at.hit.position, at.hit.facing_normal());
-        let widest = (self.reach * path.length).powi(2);
-        let mut count = 0.0;
-        self.others.near(position, normal, widest, &mut |_| count += 1.0);
-        let squared = widest * (ENOUGH / count).clamp(SMALLEST, 1.0);
-        let sent = TRUST * squared * self.map.sent() as f32;
-        let mut sum = Vec3::ZERO;
-        self.map.near(position, normal, squared, &mut |photon| {
-            if at.bounce + photon.crossings + 1 > max_depth {
-                return;
-            }
+        let (own, others, most, radius) = if at.gathers {
+            let radius = REACH_WHERE_GATHERED * path.spread * at.hit.distance;
+            (&self.own.few, &self.others.few, MOST / FEW as u32, radius)
+        } else {
+            (&self.own.all, &self.others.all, MOST, self.reach * path.length)
+        };
+        let (position, normal, widest) = (at.hit.position, at.hit.facing_normal(), radius * radius);
+        let count = others.count_near(position, normal, widest, most);
+        let squared = widest * (ENOUGH / count as f32).min(1.0);
+        let sent = TRUST * squared * own.sent() as f32;
+        own.near(position, normal, squared, |photon| {
             let of_path = at.bsdf.direction_pdf(photon.towards);
             let both = of_path + sent * photon.density * normal.dot(photon.towards).max(0.0);
-            if both > 0.0 {
-                sum += TRUST * at.bsdf.evaluate(photon.towards) * photon.radiance / both;
+            if at.bounce + photon.crossings < max_depth && both > 0.0 {
+                let found = path.throughput * at.bsdf.evaluate(photon.towards) * photon.radiance * (TRUST / both);
+                path.gather(found, at.shared_from(photon.towards, path));
             }
         });
-        path.record.gathered += path.throughput * sum;
         path.landing = Some(Landing { sent, normal, cosine: 0.0, thinned: 1.0 });
     }
 

@@ -1,5 +1,7 @@
 //! Light that arrives at a surface directly, and how two ways of finding it share the work.
 
+use glam::Vec3;
+
 use super::DirectLight;
 use super::path::PathTracer;
 use super::path_state::{Departure, Path};
@@ -57,7 +59,8 @@ impl PathTracer<'_> {
                 }
                 _ => 1.0,
             };
-            path.add_scattered(path.throughput * value * sample.radiance * (weight / sample.pdf), 1.0);
+            let radiance = path.throughput * value * sample.radiance * (weight / sample.pdf);
+            path.add_scattered(radiance, at.shared_from(sample.direction, path), 1.0);
         }
         true
     }
@@ -81,6 +84,15 @@ pub(super) struct Surface<'a> {
     pub(super) bsdf: &'a Bsdf,
     /// How many surfaces the path met before.
     pub(super) bounce: u32,
+    /// Whether what leaves it is gathered.
+    pub(super) gathers: bool,
+}
+
+impl Surface<'_> {
+    /// Share of the light from the unit vector `direction` that `path` finds for others, too.
+    pub(super) fn shared_from(&self, direction: Vec3, path: &Path) -> Vec3 {
+        if self.gathers { self.bsdf.even_share(direction) } else { path.shared }
+    }
 }
 
 #[cfg(test)]

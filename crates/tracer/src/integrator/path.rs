@@ -9,7 +9,6 @@ use super::{TraceSettings, features, roulette};
 use crate::Ray;
 use crate::bsdf::Bsdf;
 use crate::film::SampleRecord;
-use crate::gather::GatherPoint;
 use crate::interaction::Interaction;
 use crate::light::Lights;
 use crate::photon;
@@ -45,11 +44,8 @@ impl<'a> PathTracer<'a> {
             let comes_next = path.settled && !path.indirect;
             path.indirect |= path.settled;
             let bsdf = Bsdf::at(&hit);
-            if bsdf.is_diffuse() {
-                let (throughput, spread) = (path.throughput, path.spread);
-                path.gather_at(|| GatherPoint::new(&hit, bsdf.albedo(), throughput, spread, self.scene.bounds()));
-            }
-            let surface = Surface { hit: &hit, bsdf: &bsdf, bounce };
+            let gathers = path.gather_at(&hit, &bsdf, self.scene.bounds());
+            let surface = Surface { hit: &hit, bsdf: &bsdf, bounce, gathers };
             let goes_on = bounce < self.settings.max_depth;
             let is_feature_hit = self.record_features(&mut path, &surface);
             let arrives = self.sample_direct(&mut path, &surface, stream, goes_on, is_feature_hit || comes_next);
@@ -63,7 +59,7 @@ impl<'a> PathTracer<'a> {
             if !bsdf.is_specular() {
                 path.landing = None;
             }
-            if let Some(photons) = photons.filter(|_| is_feature_hit && goes_on && !bsdf.is_specular()) {
+            if let Some(photons) = photons.filter(|_| (is_feature_hit || gathers) && goes_on && !bsdf.is_specular()) {
                 photons.show(&mut path, &surface, self.settings.max_depth);
             }
             if !(goes_on && scatter(&mut path, &surface, stream) && self.survives(&mut path, bounce, stream)) {
@@ -128,6 +124,7 @@ fn scatter(path: &mut Path, at: &Surface, stream: &Stream) -> bool {
             landing.cosine = landing.normal.dot(sample.direction).max(0.0);
         }
     }
+    path.shared = at.shared_from(sample.direction, path);
     path.throughput *= sample.weight;
     path.eta_scale *= sample.eta * sample.eta;
     path.specular &= at.bsdf.is_specular();

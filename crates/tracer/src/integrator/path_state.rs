@@ -3,9 +3,12 @@
 use glam::Vec3;
 
 use crate::Ray;
+use crate::bsdf::Bsdf;
 use crate::film::{FeatureRecord, SampleRecord};
 use crate::gather::GatherPoint;
+use crate::interaction::Interaction;
 use crate::light::Receiver;
+use crate::scene::Bounds;
 
 /// How a path left its last surface, when other directions were possible too.
 #[derive(Clone, Copy, Debug)]
@@ -40,6 +43,10 @@ pub(super) struct Path {
     pub(super) eta_scale: f32,
     /// `None` when light along `ray` can be found in no other way: straight from the camera, a mirror or glass.
     pub(super) departure: Option<Departure>,
+    /// Share of what it finds from here on that is found for others, too, where light is gathered.
+    pub(super) shared: Vec3,
+    /// Whether light is gathered at a diffuse surface.
+    pub(super) gathers_diffuse: bool,
     /// Length of its way so far.
     pub(super) length: f32,
     /// Where photons show it caustics, as long as it has met only mirrors and clear glass since.
@@ -66,6 +73,8 @@ impl Path {
             throughput: Vec3::ONE,
             eta_scale: 1.0,
             departure: None,
+            shared: Vec3::ONE,
+            gathers_diffuse: false,
             length: 0.0,
             landing: None,
             spread: 0.0,
@@ -83,29 +92,47 @@ impl Path {
         if self.specular {
             self.record.emission += self.throughput * radiance;
         } else {
-            self.add_scattered(self.throughput * radiance, left);
+            self.add_scattered(self.throughput * radiance, self.shared, left);
         }
     }
 
-    /// Adds radiance that reaches the camera from where the path is, the share `left` of it to be gathered.
+    /// Adds radiance that reaches the camera from where the path is, the share `left` of it to be gathered; of that, `shared`
+    /// is found for others, too.
     #[inline]
-    pub(super) fn add_scattered(&mut self, radiance: Vec3, left: f32) {
+    pub(super) fn add_scattered(&mut self, radiance: Vec3, shared: Vec3, left: f32) {
         self.record.scattered += radiance;
         if self.indirect {
             self.record.indirect += radiance;
-            match &mut self.record.to_gather {
-                Some(point) => point.found += left * radiance,
-                None => self.record.gathered += left * radiance,
-            }
+            self.gather(left * radiance, shared);
         }
     }
 
-    /// From here on, what leaves the surface at `point` is gathered, once, unless it was already.
+    /// Adds to what is gathered.
     #[inline]
-    pub(super) fn gather_at(&mut self, point: impl FnOnce() -> GatherPoint) {
-        if self.indirect {
-            self.record.to_gather.get_or_insert_with(point);
+    pub(super) fn gather(&mut self, radiance: Vec3, shared: Vec3) {
+        match &mut self.record.to_gather {
+            Some(point) => {
+                point.found += shared * radiance;
+                self.record.gathered += (Vec3::ONE - shared) * radiance;
+            }
+            None => self.record.gathered += radiance,
         }
+    }
+
+    /// Gathers what leaves the first diffuse surface, or else the first coated one. Whether that is the surface at `hit`.
+    #[inline]
+    pub(super) fn gather_at(&mut self, hit: &Interaction, bsdf: &Bsdf, bounds: Bounds) -> bool {
+        if !self.indirect {
+            return false;
+        }
+        let is_better = self.record.to_gather.is_none() || (bsdf.is_diffuse() && !self.gathers_diffuse);
+        let Some(albedo) = bsdf.even_albedo().filter(|_| is_better) else { return false };
+        let point = GatherPoint::new(hit, albedo, self.throughput, self.spread, bounds);
+        if let Some(coated) = self.record.to_gather.replace(point) {
+            self.record.gathered += coated.found;
+        }
+        self.gathers_diffuse = bsdf.is_diffuse();
+        true
     }
 
     /// Records features; the depth is that of the first surface.

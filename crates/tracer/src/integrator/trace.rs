@@ -8,12 +8,9 @@ use super::caustic::Photons;
 use super::{PathTracer, TraceError, TraceSettings, passes};
 use crate::camera::Camera;
 use crate::film::{Film, SampleRecord, Tile, TileSums};
-use crate::photon::{Emitter, PhotonMap};
+use crate::photon::{Emitter, Landed};
 use crate::sampler::{self, Decision, Sampler, Stream};
 use crate::scene::Scene;
-
-/// Most photons sent for a bucket in a pass.
-const MOST_PHOTONS: f64 = (1 << 22) as f64;
 
 /// What tracing took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -123,7 +120,7 @@ struct Work<'a> {
 impl Work<'_> {
     /// Photons for the samples of one pass, for every bucket; and how many rays they took. None when there is nothing to
     /// find. `before` so many samples are on the film.
-    fn send_photons(&self, pass: u32, before: u64) -> (Vec<PhotonMap>, u64) {
+    fn send_photons(&self, pass: u32, before: u64) -> (Vec<Landed>, u64) {
         let Some(emitter) = &self.emitter else { return (vec![], 0) };
         let TraceSettings { sequences, buckets, photons, .. } = *self.settings;
         let mut samples = vec![0_u64; buckets as usize];
@@ -133,7 +130,7 @@ impl Work<'_> {
             }
         }
         let sent = samples.into_iter().enumerate().map(|(bucket, samples)| {
-            let count = (f64::from(photons) * samples as f64).ceil().min(MOST_PHOTONS) as u32;
+            let count = (f64::from(photons) * samples as f64).ceil() as u32;
             emitter.send(&self.paths.lights, before, bucket as u32, count)
         });
         let (maps, rays): (Vec<_>, Vec<_>) = sent.unzip();
@@ -145,7 +142,7 @@ impl Work<'_> {
         &self,
         tiles: &[Tile],
         pass: u32,
-        photons: &[PhotonMap],
+        photons: &[Landed],
         monitor: &dyn Monitor,
     ) -> Result<Vec<(TileSums, TraceReport)>, Cancelled> {
         let has_work = |tile: &Tile| tile.pixels().any(|(_, _, p)| !passes::samples(self.map, p, pass).is_empty());
@@ -160,7 +157,7 @@ impl Work<'_> {
         tiles.par_iter().filter(|tile| has_work(tile)).map(trace_tile).collect()
     }
 
-    fn trace_tile(&self, tile: &Tile, pass: u32, maps: &[PhotonMap]) -> (TileSums, TraceReport) {
+    fn trace_tile(&self, tile: &Tile, pass: u32, landed: &[Landed]) -> (TileSums, TraceReport) {
         let samples = tile.pixels().map(|(_, _, pixel)| passes::samples(self.map, pixel, pass).len()).sum();
         let mut sums = TileSums::new(tile.clone(), self.settings.buckets, samples);
         let mut report = TraceReport::default();
@@ -168,8 +165,10 @@ impl Work<'_> {
             let on_film = [self.corner[0] + x as i32, self.corner[1] + y as i32];
             for index in passes::samples(self.map, pixel, pass) {
                 let at = place(index, self.settings.sequences, self.settings.buckets);
-                let photons = self.emitter.as_ref();
-                let photons = photons.map(|emitter| Photons::new(emitter, maps, at.bucket, self.pixel_width, index));
+                let photons = self
+                    .emitter
+                    .as_ref()
+                    .map(|emitter| Photons::new(emitter, landed, at.bucket, self.pixel_width, index));
                 let (mut record, rays) =
                     self.sample_pixel(on_film, &self.sampler.stream(on_film, at), photons.as_ref());
                 let not_finite = u64::from(record.make_finite());

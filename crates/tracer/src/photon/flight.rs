@@ -1,16 +1,16 @@
 //! The way of a photon, from where it is emitted to where it lands.
 
+use glam::Vec3;
 use rayon::prelude::*;
 use stack::Place;
 
-use super::map::{Photon, PhotonMap};
+use super::map::{Landed, Photon};
 use super::source::Sources;
 use crate::bsdf::Bsdf;
 use crate::interaction::Interaction;
 use crate::light::Lights;
 use crate::sampler::{Decision, SEQUENCE_LENGTH, Sampler, Stream};
 use crate::scene::Scene;
-use glam::Vec3;
 
 /// Sends photons through a scene.
 #[derive(Debug)]
@@ -21,6 +21,10 @@ pub(crate) struct Emitter<'a> {
     /// Surfaces that a photon may meet before the one where it lands.
     most_crossings: u32,
 }
+
+/// Most photons sent for a bucket in a pass: more would only take memory.
+const MOST: u32 = 1 << 22;
+const _: () = assert!(MOST <= SEQUENCE_LENGTH, "every photon has numbers of its own");
 
 /// Photons have numbers of their own.
 const SEED: u64 = 0x7068_6f74_6f6e;
@@ -36,15 +40,13 @@ impl<'a> Emitter<'a> {
 
     /// Sends `count` photons on their way for the bucket `bucket`, in a pass that begins with `before` samples on the
     /// film. Returns those that landed behind a mirror or glass, and how many rays it took.
-    pub(crate) fn send(&self, lights: &Lights, before: u64, bucket: u32, count: u32) -> (PhotonMap, u64) {
+    pub(crate) fn send(&self, lights: &Lights, before: u64, bucket: u32, count: u32) -> (Landed, u64) {
         let send_one = |index: u32| {
-            let pixel = [before as i32, (before >> 32) as i32 + ((index / SEQUENCE_LENGTH) << 16) as i32];
-            let place = Place { sequence: bucket, point: index % SEQUENCE_LENGTH, bucket };
-            self.follow(lights, &self.sampler.stream(pixel, place))
+            let place = Place { sequence: bucket, point: index, bucket };
+            self.follow(lights, &self.sampler.stream([before as i32, (before >> 32) as i32], place))
         };
-        let landed: Vec<(Option<Photon>, u64)> = (0..count).into_par_iter().map(send_one).collect();
-        let rays = landed.iter().map(|(_, rays)| rays).sum();
-        (PhotonMap::new(landed.into_iter().filter_map(|(photon, _)| photon).collect(), count), rays)
+        let (sent, rays): (Vec<_>, Vec<u64>) = (0..count.min(MOST)).into_par_iter().map(send_one).unzip();
+        (Landed::new(&sent), rays.into_iter().sum())
     }
 
     fn follow(&self, lights: &Lights, stream: &Stream) -> (Option<Photon>, u64) {

@@ -1,11 +1,16 @@
 //! Photons that have landed, found by where they are.
 
+use std::ops::{ControlFlow, Range};
+
 use glam::Vec3;
 
 use crate::interaction::Interaction;
+use crate::scene::Bounds;
 
 /// Photons in a leaf of the tree at most.
 const LEAF: usize = 8;
+/// Of so many photons one is enough where light is averaged anyway.
+pub(crate) const FEW: usize = 8;
 /// Least cosine between the normals of two surfaces that a photon may stand for.
 const SAME_SURFACE: f32 = 0.8;
 
@@ -39,12 +44,20 @@ impl Photon {
     }
 }
 
+/// What a search needs of a photon, so that it reads little.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Node {
+    position: Vec3,
+    /// Along which axis the photons of which this is the middle are split.
+    axis: u32,
+}
+
 /// Photons of one bucket, as a tree that is split in the middle along the longest side of its box.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct PhotonMap {
     photons: Vec<Photon>,
-    /// Along which axis each inner node is split; in the order in which they are met.
-    axes: Vec<u8>,
+    /// One for each of them.
+    nodes: Vec<Node>,
     /// How many were sent.
     sent: u32,
 }
@@ -52,9 +65,10 @@ pub(crate) struct PhotonMap {
 impl PhotonMap {
     /// Photons that have landed of those that were `sent`.
     pub(super) fn new(mut photons: Vec<Photon>, sent: u32) -> Self {
-        let mut axes = vec![0; photons.len()];
-        split(&mut photons, &mut axes);
-        Self { photons, axes, sent }
+        let mut nodes = vec![Node { position: Vec3::ZERO, axis: 0 }; photons.len()];
+        split(&mut photons, &mut nodes);
+        nodes.iter_mut().zip(&photons).for_each(|(node, photon)| node.position = photon.position);
+        Self { photons, nodes, sent }
     }
 
     /// How many were sent.
@@ -63,49 +77,100 @@ impl PhotonMap {
     }
 
     /// Calls `visit` with all photons on the surface of `position` and `normal`, no further than √`squared` away.
-    pub(crate) fn near(&self, position: Vec3, normal: Vec3, squared: f32, visit: &mut impl FnMut(&Photon)) {
-        let mut visit_near = |photon: &Photon| {
-            if photon.position.distance_squared(position) <= squared && photon.normal.dot(normal) > SAME_SURFACE {
-                visit(photon);
+    pub(crate) fn near(&self, position: Vec3, normal: Vec3, squared: f32, mut visit: impl FnMut(&Photon)) {
+        let _ = self.search(position, normal, squared, |photon| {
+            visit(photon);
+            ControlFlow::Continue(())
+        });
+    }
+
+    /// How many there are, but no more than `most`.
+    pub(crate) fn count_near(&self, position: Vec3, normal: Vec3, squared: f32, most: u32) -> u32 {
+        let mut count = 0;
+        let _ = self.search(position, normal, squared, |_| {
+            count += 1;
+            if count < most { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        });
+        count
+    }
+
+    fn search(
+        &self,
+        position: Vec3,
+        normal: Vec3,
+        squared: f32,
+        mut visit: impl FnMut(&Photon) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let mut visit_near = |index: usize| {
+            if self.nodes[index].position.distance_squared(position) <= squared {
+                let photon = &self.photons[index];
+                if photon.normal.dot(normal) > SAME_SURFACE {
+                    return visit(photon);
+                }
             }
+            ControlFlow::Continue(())
         };
-        walk(&self.photons, &self.axes, position, squared.sqrt(), &mut visit_near);
+        walk(&self.nodes, 0..self.nodes.len(), position, squared.sqrt(), &mut visit_near)
+    }
+}
+
+/// Photons of one bucket.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Landed {
+    /// All of them.
+    pub(crate) all: PhotonMap,
+    /// One in [`FEW`].
+    pub(crate) few: PhotonMap,
+}
+
+impl Landed {
+    /// Of all photons that were sent, those that have landed.
+    pub(super) fn new(sent: &[Option<Photon>]) -> Self {
+        let of = |step: usize| {
+            let photons = sent.iter().step_by(step).copied();
+            PhotonMap::new(photons.flatten().collect(), sent.len().div_ceil(step) as u32)
+        };
+        Self { all: of(1), few: of(FEW) }
     }
 }
 
 /// Puts the middle photon along an axis in the middle, and does so with both parts.
-fn split(photons: &mut [Photon], axes: &mut [u8]) {
+fn split(photons: &mut [Photon], nodes: &mut [Node]) {
     if photons.len() <= LEAF {
         return;
     }
-    let (min, max) = photons.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), photon| {
-        (min.min(photon.position), max.max(photon.position))
-    });
-    let axis = (max - min).max_position();
+    let bounds = Bounds::of(photons.iter().map(|photon| photon.position));
+    let axis = bounds.extent().max_position();
     let middle = photons.len() / 2;
     photons.select_nth_unstable_by(middle, |a, b| a.position[axis].total_cmp(&b.position[axis]));
-    axes[middle] = axis as u8;
+    nodes[middle].axis = axis as u32;
     let (below, above) = photons.split_at_mut(middle);
-    let (axes_below, axes_above) = axes.split_at_mut(middle);
-    rayon::join(|| split(below, axes_below), || split(&mut above[1..], &mut axes_above[1..]));
+    let (nodes_below, nodes_above) = nodes.split_at_mut(middle);
+    rayon::join(|| split(below, nodes_below), || split(&mut above[1..], &mut nodes_above[1..]));
 }
 
-/// Visits all photons that may be within `reach` of `position`.
-fn walk(photons: &[Photon], axes: &[u8], position: Vec3, reach: f32, visit: &mut impl FnMut(&Photon)) {
-    if photons.len() <= LEAF {
-        photons.iter().for_each(visit);
-        return;
+/// Visits all photons of the tree `range` that may be within `reach` of `position`.
+fn walk(
+    nodes: &[Node],
+    range: Range<usize>,
+    position: Vec3,
+    reach: f32,
+    visit: &mut impl FnMut(usize) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    if range.len() <= LEAF {
+        return range.into_iter().try_for_each(visit);
     }
-    let middle = photons.len() / 2;
-    let axis = usize::from(axes[middle]);
-    let beyond = position[axis] - photons[middle].position[axis];
+    let middle = range.start + range.len() / 2;
+    let axis = nodes[middle].axis as usize;
+    let beyond = position[axis] - nodes[middle].position[axis];
     if beyond <= reach {
-        walk(&photons[..middle], &axes[..middle], position, reach, visit);
+        walk(nodes, range.start..middle, position, reach, visit)?;
     }
     if beyond.abs() <= reach {
-        visit(&photons[middle]);
+        visit(middle)?;
     }
     if beyond >= -reach {
-        walk(&photons[middle + 1..], &axes[middle + 1..], position, reach, visit);
+        walk(nodes, middle + 1..range.end, position, reach, visit)?;
     }
+    ControlFlow::Continue(())
 }

@@ -17,4 +17,4 @@ mod target;
 mod tests;
 
 pub(crate) use flight::{Emitter, bent};
-pub(crate) use map::PhotonMap;
+pub(crate) use map::{FEW, Landed};

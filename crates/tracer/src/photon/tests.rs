@@ -77,7 +77,7 @@ fn the_map_finds_all_photons_near_a_point_on_its_surface() {
         for (centre, z) in points(50) {
             let (centre, reach) = (centre.extend(0.02), 0.2 * z);
             let mut found = vec![];
-            map.near(centre, Vec3::Z, reach * reach, &mut |photon| found.push(photon.radiance.x));
+            map.near(centre, Vec3::Z, reach * reach, |photon| found.push(photon.radiance.x));
             let is_near = |(u, z): &(Vec2, f32)| *z < 0.5 && u.extend(0.05 * z).distance(centre) <= reach;
             let mut expected: Vec<f32> = points(count).filter(is_near).map(|(_, z)| z).collect();
             found.sort_by(f32::total_cmp);
