@@ -341,6 +341,23 @@ mod tests {
     }
 
     #[test]
+    fn the_base_of_a_coat_looks_the_same_from_all_sides_but_for_a_factor() {
+        let material = material(Surface::Coated { diffuse: grey(0.5), specular: grey(0.2), alpha: 0.3 });
+        let viewers = [Vec3::Z, Vec3::new(0.8, 0.0, 0.6), Vec3::new(0.0, -0.96, 0.28)];
+        for incoming in [Vec3::new(0.0, 0.6, 0.8), Vec3::new(-0.8, 0.0, 0.6)] {
+            let seen_as = viewers.map(|viewer| {
+                let bsdf = seen(&material, [Vec3::Z; 2], viewer);
+                let even = bsdf.even_share(incoming) * bsdf.evaluate(incoming);
+                assert!(even.cmple(bsdf.evaluate(incoming)).all() && bsdf.even_share(incoming).min_element() > 0.2);
+                even / bsdf.even_albedo().unwrap()
+            });
+            assert!(seen_as.iter().all(|seen| (*seen / seen_as[0] - Vec3::ONE).abs().max_element() < 1e-5));
+        }
+        let diffuse = self::material(Surface::Diffuse { reflectance: grey(0.5) });
+        assert_eq!(seen(&diffuse, [Vec3::Z; 2], Vec3::Z).even_share(Vec3::Z), Vec3::ONE);
+    }
+
+    #[test]
     fn albedos_are_clamped_and_bounded() {
         let diffuse = material(Surface::Diffuse { reflectance: grey(3.0) });
         assert_eq!(seen(&diffuse, [Vec3::Z; 2], Vec3::Z).albedo(), Vec3::ONE);

@@ -1,38 +1,28 @@
 //! Caustics that photons show against those that paths find.
 
 use glam::Vec3;
-use stack::{FeatureStack, Size};
+use stack::Size;
 
 use super::TraceSettings;
-use super::test_scenes::{Pieces, diffuse, grey, lamp, looking_down, render};
+use super::test_scenes::{Pieces, diffuse, grey, indirect_and_gathered, lamp, looking_down, render};
 use crate::environment::{Environment, EnvironmentMap};
 use crate::material::Surface;
 use crate::scene::{Motion, Scene};
 
 const SIZE: Size = Size::new(24, 24);
 
-/// Sums over the picture of indirect and of gathered light, and their variances.
-fn sums(stack: &FeatureStack) -> [(f64, f64); 2] {
-    [&stack.indirect, &stack.gathered].map(|light| {
-        let light = light.as_ref().unwrap();
-        let (values, variance) = (&light.mean.channels()[0], light.variance_of_mean(&stack.samples).unwrap());
-        let sum = |v: &[f32]| v.iter().map(|v| f64::from(*v)).sum::<f64>();
-        (sum(values), sum(&variance.channels()[0]))
-    })
-}
-
 fn assert_same_light_with_less_noise(scene: &Scene, share: f64) {
     let (stack, _) = render(scene, &looking_down(SIZE), 1024, &TraceSettings::DEFAULT);
-    let [indirect, gathered] = sums(&stack);
+    let [indirect, gathered] = indirect_and_gathered(&stack);
     // What pixels lack together is not in their variances.
     let error = 5.0 * (indirect.1 + gathered.1).sqrt() + 0.01 * indirect.0;
     assert!(indirect.0 > 0.0 && (gathered.0 - indirect.0).abs() < error, "{gathered:?} {indirect:?}");
     assert!(gathered.1 < share * indirect.1, "{gathered:?} {indirect:?}");
     // Without photons paths are left to themselves, and are the same.
-    let (without, _) =
-        render(scene, &looking_down(SIZE), 1024, &TraceSettings { photons: 0.0, ..TraceSettings::DEFAULT });
-    assert_eq!((&without.components, &without.indirect), (&stack.components, &stack.indirect));
-    assert_ne!(without.gathered, stack.gathered);
+    let [with, without] = [TraceSettings::DEFAULT.photons, 0.0]
+        .map(|photons| render(scene, &looking_down(SIZE), 8, &TraceSettings { photons, ..TraceSettings::DEFAULT }).0);
+    assert_eq!((&without.components, &without.indirect), (&with.components, &with.indirect));
+    assert_ne!(without.gathered, with.gathered);
 }
 
 fn floor(pieces: Pieces) -> Pieces {
@@ -84,7 +74,7 @@ fn photons_leave_an_even_sky_to_paths() {
     let scene = floor(Pieces::default()).sphere(1.0, glass(1.5)).under(Some(1.0));
     let of = |photons| {
         let settings = TraceSettings { photons, ..TraceSettings::DEFAULT };
-        sums(&render(&scene, &looking_down(SIZE), 64, &settings).0)[1]
+        indirect_and_gathered(&render(&scene, &looking_down(SIZE), 64, &settings).0)[1]
     };
     let [with, without] = [TraceSettings::DEFAULT.photons, 0.0].map(of);
     assert!((with.0 / without.0 - 1.0).abs() < 0.01 && with.1 < 1.1 * without.1, "{with:?} {without:?}");
@@ -95,7 +85,7 @@ fn paths_of_photons_are_no_longer_than_others() {
     let scene = under_lamp(floor(Pieces::default()).sphere(1.0, glass(1.5)));
     for max_depth in [1, 2, 3] {
         let settings = TraceSettings { max_depth, ..TraceSettings::DEFAULT };
-        let [indirect, gathered] = sums(&render(&scene, &looking_down(SIZE), 64, &settings).0);
+        let [indirect, gathered] = indirect_and_gathered(&render(&scene, &looking_down(SIZE), 64, &settings).0);
         // A ball takes two interfaces; at its foot, what it reflects takes one.
         let error = 5.0 * (indirect.1 + gathered.1).sqrt();
         assert!((gathered.0 - indirect.0).abs() <= error, "{max_depth}: {gathered:?} {indirect:?}");

@@ -6,7 +6,8 @@ use glam::Vec3;
 use stack::{ComponentRole, FeatureRole, FeatureStack, Size};
 
 use super::test_scenes::{
-    Pieces, assert_scattered, diffuse, furnace, grey, lamp, looking_down, mean_of, peering, render,
+    Pieces, assert_scattered, diffuse, furnace, grey, indirect_and_gathered, lamp, looking_down, mean_of, peering,
+    render,
 };
 use super::{DirectLight, FeatureHit, TraceSettings};
 use crate::environment::{Environment, EnvironmentMap};
@@ -80,19 +81,32 @@ fn indirect_light_is_what_other_surfaces_send() {
 /// In a hall with a small lamp light is gathered on all walls: on average as bright, with half of the noise.
 #[test]
 fn gathered_light_is_indirect_light_with_less_noise() {
+    let coated = Surface::Coated { diffuse: grey(0.5), specular: grey(0.05), alpha: 0.2 };
+    for surface in [diffuse(0.5), coated] {
+        let scene = Pieces::default()
+            .sphere(-4.0, (surface, 0.0))
+            .quad(Vec3::new(0.5, 0.0, -1.0), Vec3::X * 0.2, Vec3::Z * 0.2, lamp(50.0))
+            .under(None);
+        let (stack, _) = render(&scene, &looking_down(Size::new(32, 32)), 64, &DEFAULT);
+        let [indirect, gathered] = indirect_and_gathered(&stack);
+        assert!((gathered.0 - indirect.0).abs() < 4.0 * indirect.1.sqrt(), "{gathered:?} {indirect:?}");
+        assert!(gathered.1 < 0.6 * indirect.1, "{gathered:?} {indirect:?}");
+    }
+}
+
+/// Where both are, light is gathered at what is diffuse.
+#[test]
+fn no_light_is_lost_between_coated_and_diffuse_surfaces() {
+    let coated = Surface::Coated { diffuse: grey(0.4), specular: grey(0.3), alpha: 0.1 };
     let scene = Pieces::default()
-        .sphere(-4.0, (diffuse(0.5), 0.0))
-        .quad(Vec3::new(0.5, 0.0, -1.0), Vec3::X * 0.2, Vec3::Z * 0.2, lamp(50.0))
+        .sphere(-4.0, (diffuse(0.7), 0.0))
+        .sphere(1.0, (coated, 0.0))
+        .quad(Vec3::new(1.5, 3.0, 0.0), Vec3::X, Vec3::Z, lamp(20.0))
         .under(None);
-    let (stack, _) = render(&scene, &looking_down(Size::new(32, 32)), 64, &DEFAULT);
-    let [indirect, gathered] = [&stack.indirect, &stack.gathered].map(|light| {
-        let light = light.as_ref().unwrap();
-        let (values, variance) = (&light.mean.channels()[0], light.variance_of_mean(&stack.samples).unwrap());
-        let sum = |v: &[f32]| v.iter().map(|v| f64::from(*v)).sum::<f64>();
-        (sum(values), sum(&variance.channels()[0]))
-    });
-    assert!((gathered.0 - indirect.0).abs() < 4.0 * indirect.1.sqrt(), "{gathered:?} {indirect:?}");
-    assert!(gathered.1 < 0.6 * indirect.1, "{gathered:?} {indirect:?}");
+    let (stack, _) = render(&scene, &looking_down(Size::new(32, 32)), 256, &DEFAULT);
+    let [indirect, gathered] = indirect_and_gathered(&stack);
+    let error = 4.0 * (indirect.1 + gathered.1).sqrt();
+    assert!(error < 0.02 * indirect.0 && (gathered.0 - indirect.0).abs() < error, "{gathered:?} {indirect:?}");
 }
 
 /// Form factor from a point to a rectangle a × b parallel to its plane, at distance c above, one corner above the

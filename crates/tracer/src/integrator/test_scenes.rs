@@ -144,3 +144,13 @@ pub(super) fn assert_scattered(stack: &FeatureStack, expected: f64, slack: f64) 
     let (mean, error) = mean_of(stack, ComponentRole::Scattered);
     assert!((mean - expected).abs() < 4.0 * error + slack, "{mean} ± {error}, expected {expected}");
 }
+
+/// Sums over the picture of indirect and of gathered light, each with its variance.
+pub(super) fn indirect_and_gathered(stack: &FeatureStack) -> [(f64, f64); 2] {
+    [&stack.indirect, &stack.gathered].map(|light| {
+        let light = light.as_ref().unwrap();
+        let (values, variance) = (&light.mean.channels()[0], light.variance_of_mean(&stack.samples).unwrap());
+        let sum = |v: &[f32]| v.iter().map(|v| f64::from(*v)).sum::<f64>();
+        (sum(values), sum(&variance.channels()[0]))
+    })
+}

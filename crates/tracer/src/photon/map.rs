@@ -50,6 +50,8 @@ struct Node {
     position: Vec3,
     /// Along which axis the photons of which this is the middle are split.
     axis: u32,
+    /// The box round them.
+    bounds: Bounds,
 }
 
 /// Photons of one bucket, as a tree that is split in the middle along the longest side of its box.
@@ -65,7 +67,7 @@ pub(crate) struct PhotonMap {
 impl PhotonMap {
     /// Photons that have landed of those that were `sent`.
     pub(super) fn new(mut photons: Vec<Photon>, sent: u32) -> Self {
-        let mut nodes = vec![Node { position: Vec3::ZERO, axis: 0 }; photons.len()];
+        let mut nodes = vec![Node { position: Vec3::ZERO, axis: 0, bounds: Bounds::EMPTY }; photons.len()];
         split(&mut photons, &mut nodes);
         nodes.iter_mut().zip(&photons).for_each(|(node, photon)| node.position = photon.position);
         Self { photons, nodes, sent }
@@ -143,7 +145,7 @@ fn split(photons: &mut [Photon], nodes: &mut [Node]) {
     let axis = bounds.extent().max_position();
     let middle = photons.len() / 2;
     photons.select_nth_unstable_by(middle, |a, b| a.position[axis].total_cmp(&b.position[axis]));
-    nodes[middle].axis = axis as u32;
+    nodes[middle] = Node { axis: axis as u32, bounds, ..nodes[middle] };
     let (below, above) = photons.split_at_mut(middle);
     let (nodes_below, nodes_above) = nodes.split_at_mut(middle);
     rayon::join(|| split(below, nodes_below), || split(&mut above[1..], &mut nodes_above[1..]));
@@ -161,7 +163,11 @@ fn walk(
         return range.into_iter().try_for_each(visit);
     }
     let middle = range.start + range.len() / 2;
-    let axis = nodes[middle].axis as usize;
+    let Node { axis, bounds, .. } = nodes[middle];
+    if position.distance_squared(position.clamp(bounds.min, bounds.max)) > reach * reach {
+        return ControlFlow::Continue(());
+    }
+    let axis = axis as usize;
     let beyond = position[axis] - nodes[middle].position[axis];
     if beyond <= reach {
         walk(nodes, range.start..middle, position, reach, visit)?;
