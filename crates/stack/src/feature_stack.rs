@@ -121,7 +121,8 @@ pub struct FeatureStack {
     /// the sky. In as many buckets; `None` where a renderer does not keep it apart.
     pub indirect: Option<Estimate>,
     /// The same light with less noise: what leaves the surfaces it came from is the mean over all paths that met them
-    /// nearby. On average as bright over the picture, but not to the last detail. In as many buckets.
+    /// nearby, and photons show caustics. On average as bright over the picture, but not to the last detail. In as many
+    /// buckets.
     pub gathered: Option<Estimate>,
     /// Auxiliary images, in the order of [`FeatureRole::ALL`].
     pub features: Vec<Feature>,

@@ -78,6 +78,11 @@ impl Film {
         &self.counts
     }
 
+    /// How many samples of all pixels come before the next ones, those of slices before this one included.
+    pub(crate) fn samples_before(&self) -> u64 {
+        self.counts.total.iter().map(|n| u64::from(self.counts.first) + u64::from(*n)).sum()
+    }
+
     /// The next `count` samples of every pixel.
     pub fn next_samples(&self, count: u32) -> SampleMap {
         let first = self.counts.total.iter().map(|n| self.counts.first + n).collect();

@@ -5,10 +5,13 @@
 //! β f cos θ L/(p + βq) is what it adds (Georgiev et al. 2012, with all but the last choice of a path made by mirrors and
 //! glass, which are the same for both).
 
+use super::TraceSettings;
 use super::direct::Surface;
 use super::path_state::{Landing, Path};
 use crate::interaction::Interaction;
-use crate::photon::{Emitter, FEW, Landed};
+use crate::light::Lights;
+use crate::photon::{FEW, Landed, PhotonTracer};
+use crate::scene::Scene;
 
 /// Radius of the disc that photons are looked for in, in pixels …
 const REACH: f32 = 1.4;
@@ -25,11 +28,60 @@ const MOST: u32 = 64;
 /// β: photons blur, and pixels share what is wrong with them. Where paths are good enough, they shall do it.
 const TRUST: f32 = 0.1;
 
+/// Sends photons where there is something that they could find.
+#[derive(Debug)]
+pub(super) struct Caustics<'a> {
+    tracer: PhotonTracer<'a>,
+    /// Photons sent for every sample.
+    per_sample: f32,
+    /// Width of a pixel, over the length of its paths.
+    pixel_width: f32,
+}
+
+impl<'a> Caustics<'a> {
+    /// Those of `scene` in pixels that are `pixel_width` wide at distance 1; `None` when there are none to be found so.
+    pub(super) fn of(scene: &'a Scene, settings: &TraceSettings, pixel_width: f32) -> Option<Self> {
+        let TraceSettings { max_depth, seed, photons: per_sample, .. } = *settings;
+        let tracer = (per_sample > 0.0).then(|| PhotonTracer::new(scene, max_depth, seed)).flatten()?;
+        Some(Self { tracer, per_sample, pixel_width })
+    }
+
+    /// Sends photons for a pass that takes so many `samples` for every bucket, `before` samples having been taken. How many
+    /// rays they took comes with them.
+    pub(super) fn send(&self, lights: &Lights, before: u64, samples: &[u64]) -> (PassPhotons<'_>, u64) {
+        let sent = samples.iter().enumerate().map(|(bucket, samples)| {
+            let count = (f64::from(self.per_sample) * *samples as f64).ceil() as u32;
+            self.tracer.send(lights, before, bucket as u32, count)
+        });
+        let (landed, rays): (Vec<_>, Vec<u64>) = sent.unzip();
+        (PassPhotons { caustics: self, landed }, rays.into_iter().sum())
+    }
+}
+
+/// Photons of a pass.
+#[derive(Debug)]
+pub(super) struct PassPhotons<'a> {
+    caustics: &'a Caustics<'a>,
+    /// For every bucket.
+    landed: Vec<Landed>,
+}
+
+impl PassPhotons<'_> {
+    /// What sample number `index` of a pixel sees of those of its `bucket`: discs shrink, so that many samples leave nothing
+    /// of their blur (Knaus and Zwicker 2011).
+    pub(super) fn of(&self, bucket: u32, index: u32) -> Photons<'_> {
+        let Self { caustics: Caustics { tracer, pixel_width, .. }, landed } = self;
+        let (bucket, shrunk) = (bucket as usize, (1.0 + index as f32 / 8.0).powf(-1.0 / 6.0));
+        let others = &landed[(bucket + 1) % landed.len()];
+        Photons { tracer, own: &landed[bucket], others, reach: REACH * pixel_width * shrunk }
+    }
+}
+
 /// What a path needs to know of photons.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Photons<'a> {
     /// How they were sent.
-    emitter: &'a Emitter<'a>,
+    tracer: &'a PhotonTracer<'a>,
     /// Those of the bucket the path belongs to.
     own: &'a Landed,
     /// Those of another one, which tell how many there are without knowing these.
@@ -38,21 +90,7 @@ pub(super) struct Photons<'a> {
     reach: f32,
 }
 
-impl<'a> Photons<'a> {
-    /// Those of the `bucket` among `landed` for sample number `index` of pixels `pixel_width` wide: discs shrink, so that
-    /// many samples leave nothing of their blur (Knaus and Zwicker 2011).
-    pub(super) fn new(
-        emitter: &'a Emitter<'a>,
-        landed: &'a [Landed],
-        bucket: u32,
-        pixel_width: f32,
-        index: u32,
-    ) -> Self {
-        let (bucket, shrunk) = (bucket as usize, (1.0 + index as f32 / 8.0).powf(-1.0 / 6.0));
-        let others = &landed[(bucket + 1) % landed.len()];
-        Photons { emitter, own: &landed[bucket], others, reach: REACH * pixel_width * shrunk }
-    }
-
+impl Photons<'_> {
     /// Adds to what `path` gathers the caustic at the surface it has come to, and remembers where that is.
     pub(super) fn show(&self, path: &mut Path, at: &Surface, max_depth: u32) {
         let (own, others, most, radius) = if at.gathers {
@@ -78,12 +116,12 @@ impl<'a> Photons<'a> {
 
     /// Share of what emitter `emitter` sends to the end of the path that is left to it.
     pub(super) fn leave_of_lamp(&self, path: &Path, emitter: u32, seen: &Interaction) -> f32 {
-        self.leave(path, || self.emitter.lamp_density(emitter, seen))
+        self.leave(path, || self.tracer.lamp_density(emitter, seen))
     }
 
     /// Share of what the sky sends along the path that is left to it.
     pub(super) fn leave_of_sky(&self, path: &Path) -> f32 {
-        self.leave(path, || self.emitter.sky_density(path.ray.origin, path.ray.direction))
+        self.leave(path, || self.tracer.sky_density(path.ray.origin, path.ray.direction))
     }
 
     fn leave(&self, path: &Path, density: impl Fn() -> f32) -> f32 {

@@ -4,11 +4,10 @@ use glam::Vec2;
 use rayon::prelude::*;
 use stack::{Cancelled, Knobs, Monitor, SampleMap, place};
 
-use super::caustic::Photons;
+use super::caustic::{Caustics, PassPhotons, Photons};
 use super::{PathTracer, TraceError, TraceSettings, passes};
 use crate::camera::Camera;
 use crate::film::{Film, SampleRecord, Tile, TileSums};
-use crate::photon::{Emitter, Landed};
 use crate::sampler::{self, Decision, Sampler, Stream};
 use crate::scene::Scene;
 
@@ -58,22 +57,23 @@ pub fn trace(
         paths: PathTracer::new(scene, settings),
         camera,
         sampler: Sampler::new(settings.seed),
-        emitter: (settings.photons > 0.0).then(|| Emitter::new(scene, settings.max_depth, settings.seed)).flatten(),
-        pixel_width: camera.pixel_width(),
         corner: [film.window().x, film.window().y],
         map,
         settings,
     };
+    let caustics = Caustics::of(scene, settings, camera.pixel_width());
     let tiles = Tile::all(film.window().size);
     let mut report = TraceReport::default();
     for pass in 0..passes::count(map) {
-        let (photons, rays) = work.send_photons(pass, film.counts().total.iter().map(|n| u64::from(*n)).sum());
-        report.rays += rays;
-        let traced =
-            work.trace_pass(&tiles, pass, &photons, monitor).map_err(|Cancelled| TraceError::Cancelled(report))?;
+        let (lights, before) = (&work.paths.lights, film.samples_before());
+        let sent = caustics.as_ref().map(|caustics| caustics.send(lights, before, &work.samples_by_bucket(pass)));
+        let (photons, rays) = sent.unzip();
+        let traced = work.trace_pass(&tiles, pass, photons.as_ref(), monitor);
+        let traced = traced.map_err(|Cancelled| TraceError::Cancelled(report))?;
         let (mut sums, reports): (Vec<_>, Vec<_>) = traced.into_iter().unzip();
         film.add_pass(&mut sums);
         report = reports.into_iter().fold(report, TraceReport::plus);
+        report.rays += rays.unwrap_or(0);
     }
     Ok(report)
 }
@@ -108,9 +108,6 @@ struct Work<'a> {
     paths: PathTracer<'a>,
     camera: &'a Camera,
     sampler: Sampler,
-    /// Sends photons, where there is something that they could find.
-    emitter: Option<Emitter<'a>>,
-    pixel_width: f32,
     /// Film coordinates of the window's top left pixel.
     corner: [i32; 2],
     map: &'a SampleMap,
@@ -118,23 +115,14 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    /// Photons for the samples of one pass, for every bucket; and how many rays they took. None when there is nothing to
-    /// find. `before` so many samples are on the film.
-    fn send_photons(&self, pass: u32, before: u64) -> (Vec<Landed>, u64) {
-        let Some(emitter) = &self.emitter else { return (vec![], 0) };
-        let TraceSettings { sequences, buckets, photons, .. } = *self.settings;
-        let mut samples = vec![0_u64; buckets as usize];
-        for pixel in 0..self.map.count.len() {
-            for index in passes::samples(self.map, pixel, pass) {
-                samples[place(index, sequences, buckets).bucket as usize] += 1;
-            }
+    /// How many samples of the pass belong to each bucket.
+    fn samples_by_bucket(&self, pass: u32) -> Vec<u64> {
+        let TraceSettings { sequences, buckets, .. } = *self.settings;
+        let mut samples = vec![0; buckets as usize];
+        for index in (0..self.map.count.len()).flat_map(|pixel| passes::samples(self.map, pixel, pass)) {
+            samples[place(index, sequences, buckets).bucket as usize] += 1;
         }
-        let sent = samples.into_iter().enumerate().map(|(bucket, samples)| {
-            let count = (f64::from(photons) * samples as f64).ceil() as u32;
-            emitter.send(&self.paths.lights, before, bucket as u32, count)
-        });
-        let (maps, rays): (Vec<_>, Vec<_>) = sent.unzip();
-        (maps, rays.into_iter().sum())
+        samples
     }
 
     /// Sums of one pass, in the order of `tiles`, without those that have nothing to do.
@@ -142,7 +130,7 @@ impl Work<'_> {
         &self,
         tiles: &[Tile],
         pass: u32,
-        photons: &[Landed],
+        photons: Option<&PassPhotons>,
         monitor: &dyn Monitor,
     ) -> Result<Vec<(TileSums, TraceReport)>, Cancelled> {
         let has_work = |tile: &Tile| tile.pixels().any(|(_, _, p)| !passes::samples(self.map, p, pass).is_empty());
@@ -157,7 +145,7 @@ impl Work<'_> {
         tiles.par_iter().filter(|tile| has_work(tile)).map(trace_tile).collect()
     }
 
-    fn trace_tile(&self, tile: &Tile, pass: u32, landed: &[Landed]) -> (TileSums, TraceReport) {
+    fn trace_tile(&self, tile: &Tile, pass: u32, photons: Option<&PassPhotons>) -> (TileSums, TraceReport) {
         let samples = tile.pixels().map(|(_, _, pixel)| passes::samples(self.map, pixel, pass).len()).sum();
         let mut sums = TileSums::new(tile.clone(), self.settings.buckets, samples);
         let mut report = TraceReport::default();
@@ -165,10 +153,7 @@ impl Work<'_> {
             let on_film = [self.corner[0] + x as i32, self.corner[1] + y as i32];
             for index in passes::samples(self.map, pixel, pass) {
                 let at = place(index, self.settings.sequences, self.settings.buckets);
-                let photons = self
-                    .emitter
-                    .as_ref()
-                    .map(|emitter| Photons::new(emitter, landed, at.bucket, self.pixel_width, index));
+                let photons = photons.map(|photons| photons.of(at.bucket, index));
                 let (mut record, rays) =
                     self.sample_pixel(on_film, &self.sampler.stream(on_film, at), photons.as_ref());
                 let not_finite = u64::from(record.make_finite());

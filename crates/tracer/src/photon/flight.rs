@@ -14,7 +14,7 @@ use crate::scene::Scene;
 
 /// Sends photons through a scene.
 #[derive(Debug)]
-pub(crate) struct Emitter<'a> {
+pub(crate) struct PhotonTracer<'a> {
     scene: &'a Scene,
     sources: Sources<'a>,
     sampler: Sampler,
@@ -29,7 +29,7 @@ const _: () = assert!(MOST <= SEQUENCE_LENGTH, "every photon has numbers of its 
 /// Photons have numbers of their own.
 const SEED: u64 = 0x7068_6f74_6f6e;
 
-impl<'a> Emitter<'a> {
+impl<'a> PhotonTracer<'a> {
     /// Sends photons through `scene` for paths of up to `max_depth` scattering events; `None` when there is nothing that
     /// photons could find.
     pub(crate) fn new(scene: &'a Scene, max_depth: u32, seed: u64) -> Option<Self> {

@@ -16,5 +16,5 @@ mod target;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use flight::{Emitter, bent};
+pub(crate) use flight::{PhotonTracer, bent};
 pub(crate) use map::{FEW, Landed};
