@@ -17,13 +17,16 @@ const FULL: f32 = 0.5;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Cell {
     mean: Vec3,
+    /// How much all paths together count.
+    counts: Vec3,
     paths: u32,
 }
 
 impl Cell {
-    fn add(&mut self, leaving: Vec3) {
+    fn add(&mut self, [leaving, counts]: [Vec3; 2]) {
         self.paths += 1;
-        self.mean += (leaving - self.mean) / self.paths as f32;
+        self.counts += counts;
+        self.mean += (leaving - counts * self.mean) / self.counts;
     }
 
     const fn is_full(&self) -> bool {

@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use super::place::{DIGITS, Place};
+use crate::bsdf::Bsdf;
 use crate::interaction::Interaction;
 use crate::scene::Bounds;
 
@@ -23,25 +24,29 @@ pub struct GatherPoint {
 }
 
 impl GatherPoint {
-    /// The point `hit` of a surface of that `albedo`, reached with `throughput` by a path that stands for a solid angle of
-    /// `spread`², in a scene of those `bounds`.
-    pub(crate) fn new(hit: &Interaction, albedo: Vec3, throughput: Vec3, spread: f32, bounds: Bounds) -> Self {
+    /// The point `hit` of a surface that scatters as `bsdf` says and has an even part, reached with `throughput` by a path
+    /// that stands for a solid angle of `spread`², in a scene of those `bounds`. `None` where it has none.
+    pub(crate) fn new(hit: &Interaction, bsdf: &Bsdf, throughput: Vec3, spread: f32, bounds: Bounds) -> Option<Self> {
+        let albedo = bsdf.even_albedo()?;
         let steps = (1 << DIGITS) as f32 / (bounds.max - bounds.min).max_element();
-        Self {
-            place: Place::new((hit.position - bounds.min) * steps, hit.facing_normal()),
+        Some(Self {
+            place: Place::new((hit.position - bounds.min) * steps, hit.facing_normal(), !bsdf.is_diffuse()),
             weight: throughput * albedo,
             found: Vec3::ZERO,
             levels: levels_within(WIDEST * spread * hit.distance * steps),
-        }
+        })
     }
 
     pub(crate) fn is_finite(&self) -> bool {
         self.weight.is_finite() && self.found.is_finite()
     }
 
-    /// What leaves the point ÷ its albedo, as the path found it; `None` where the path or the surface is blind to a colour.
-    pub(super) fn leaving(&self) -> Option<Vec3> {
-        (self.weight.min_element() > 0.0).then(|| self.found / self.weight)
+    /// What leaves the point ÷ its albedo, as the path found it, times how much that counts; and this. Of coated surfaces
+    /// paths count by their weight: together they take what they brought, though a coat sends those on that weigh little.
+    /// `None` where the path or the surface is blind to a colour.
+    pub(super) fn leaving(&self) -> Option<[Vec3; 2]> {
+        let counts = if self.place.is_coated() { self.weight } else { Vec3::ONE };
+        (self.weight.min_element() > 0.0).then(|| [self.found / self.weight * counts, counts])
     }
 }
 

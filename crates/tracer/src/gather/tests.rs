@@ -8,7 +8,7 @@ use super::{GatherPoint, LeavingLight};
 /// A point on the floor of a scene of size 1, reached from `distance` away, where a path found `found`.
 fn point(position: Vec3, distance: f32, found: f32) -> GatherPoint {
     let steps = (1 << DIGITS) as f32;
-    let (place, levels) = (Place::new(position * steps, Vec3::Y), levels_within(WIDEST * distance * steps));
+    let (place, levels) = (Place::new(position * steps, Vec3::Y, false), levels_within(WIDEST * distance * steps));
     GatherPoint { place, weight: Vec3::splat(0.5), found: Vec3::splat(found), levels }
 }
 
@@ -81,7 +81,7 @@ fn more_paths_share_smaller_cells() {
 
 #[test]
 fn cells_lie_within_coarser_ones_and_face_one_way() {
-    let place = |x: f32, normal| Place::new(Vec3::new(x, 3.0, 1e9), normal);
+    let place = |x: f32, normal| Place::new(Vec3::new(x, 3.0, 1e9), normal, false);
     for level in 0..DIGITS {
         let wide = (1_u32 << level) as f32;
         assert_eq!(place(0.0, Vec3::Z).cell(level), place(wide - 1.0, Vec3::Z).cell(level));
@@ -89,6 +89,33 @@ fn cells_lie_within_coarser_ones_and_face_one_way() {
         assert_ne!(place(0.0, Vec3::Z).cell(level), place(0.0, Vec3::NEG_Z).cell(level));
         assert_ne!(place(0.0, Vec3::Z).cell(level), place(0.0, Vec3::X).cell(level));
     }
+}
+
+#[test]
+fn paths_on_coated_surfaces_take_together_what_they_brought() {
+    // Those that weigh more find more.
+    let weighing = |is_coated: bool| -> Vec<_> {
+        let place = Place::new(Vec3::splat(1e-4), Vec3::Y, is_coated);
+        (1..=LEAST_PATHS)
+            .map(|i| GatherPoint {
+                place,
+                weight: Vec3::splat(i as f32),
+                found: Vec3::splat((i * i) as f32),
+                ..together(1)[0]
+            })
+            .collect()
+    };
+    let sums = |points: &[GatherPoint]| {
+        let light = learned(points);
+        [points.iter().map(|p| light.arriving(p).x).sum::<f32>(), points.iter().map(|p| p.found.x).sum()]
+    };
+    let [taken, brought] = sums(&weighing(true));
+    assert!((taken / brought - 1.0).abs() < 1e-5, "{taken} {brought}");
+    // They do not share with the diffuse ones among them.
+    let both = [weighing(true), weighing(false)].concat();
+    let light = learned(&both);
+    assert_eq!(light.arriving(&both[0]), learned(&weighing(true)).arriving(&both[0]));
+    assert_ne!(light.arriving(&both[0]), light.arriving(&both[LEAST_PATHS as usize]));
 }
 
 #[test]

@@ -126,8 +126,8 @@ impl Path {
             return false;
         }
         let is_better = self.record.to_gather.is_none() || (bsdf.is_diffuse() && !self.gathers_diffuse);
-        let Some(albedo) = bsdf.even_albedo().filter(|_| is_better) else { return false };
-        let point = GatherPoint::new(hit, albedo, self.throughput, self.spread, bounds);
+        let point = || GatherPoint::new(hit, bsdf, self.throughput, self.spread, bounds);
+        let Some(point) = is_better.then(point).flatten() else { return false };
         if let Some(coated) = self.record.to_gather.replace(point) {
             self.record.gathered += coated.found;
         }
