@@ -14,7 +14,7 @@ impl Place {
     /// Coordinates in steps from the scene's corner.
     pub(super) fn new(position: Vec3, normal: Vec3, is_coated: bool) -> Self {
         let axis = normal.abs().max_position();
-        let facing = u64::from(is_coated) << 3 | 2 * axis as u64 + u64::from(normal[axis] < 0.0);
+        let facing = (u64::from(is_coated) << 3) | (2 * axis as u64 + u64::from(normal[axis] < 0.0));
         let last = ((1 << DIGITS) - 1) as f32;
         let digits = position.to_array().map(|x| x.clamp(0.0, last) as u64);
         let all = digits.into_iter().fold(facing, |all, digits| (all << DIGITS) | digits);

@@ -10,7 +10,7 @@ use super::direct::Surface;
 use super::path_state::{Landing, Path};
 use crate::interaction::Interaction;
 use crate::light::Lights;
-use crate::photon::{FEW, Landed, PhotonTracer};
+use crate::photon::{Landed, PhotonTracer};
 use crate::scene::Scene;
 
 /// Radius of the disc that photons are looked for in, in pixels …
@@ -22,8 +22,9 @@ const REACH_WHERE_GATHERED: f32 = 0.1;
 /// How many photons are enough: where there are more, the disc is smaller, for caustics to be sharp …
 const ENOUGH: f32 = 4.0;
 
-/// … up to this many.
+/// … up to this many, and where light is gathered to these.
 const MOST: u32 = 64;
+const MOST_WHERE_GATHERED: u32 = 8;
 
 /// β: photons blur, and pixels share what is wrong with them. Where paths are good enough, they shall do it.
 const TRUST: f32 = 0.1;
@@ -95,7 +96,7 @@ impl Photons<'_> {
     pub(super) fn show(&self, path: &mut Path, at: &Surface, max_depth: u32) {
         let (own, others, most, radius) = if at.gathers {
             let radius = REACH_WHERE_GATHERED * path.spread * at.hit.distance;
-            (&self.own.few, &self.others.few, MOST / FEW as u32, radius)
+            (&self.own.few, &self.others.few, MOST_WHERE_GATHERED, radius)
         } else {
             (&self.own.all, &self.others.all, MOST, self.reach * path.length)
         };

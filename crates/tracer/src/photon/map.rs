@@ -9,8 +9,10 @@ use crate::scene::Bounds;
 
 /// Photons in a leaf of the tree at most.
 const LEAF: usize = 8;
-/// Of so many photons one is enough where light is averaged anyway.
-pub(crate) const FEW: usize = 8;
+/// Of so many photons, one is among the few …
+const FEW: usize = 8;
+/// … and of more, where these would be more than that.
+const MOST_OF_FEW: usize = 256;
 /// Least cosine between the normals of two surfaces that a photon may stand for.
 const SAME_SURFACE: f32 = 0.8;
 
@@ -121,18 +123,19 @@ impl PhotonMap {
 pub(crate) struct Landed {
     /// All of them.
     pub(crate) all: PhotonMap,
-    /// One in [`FEW`].
+    /// One in eight, or a few hundred: enough where light is averaged anyway.
     pub(crate) few: PhotonMap,
 }
 
 impl Landed {
     /// Of all photons that were sent, those that have landed.
     pub(super) fn new(sent: &[Option<Photon>]) -> Self {
+        let few = (sent.len() / MOST_OF_FEW).max(FEW);
         let of = |step: usize| {
             let photons = sent.iter().step_by(step).copied();
             PhotonMap::new(photons.flatten().collect(), sent.len().div_ceil(step) as u32)
         };
-        Self { all: of(1), few: of(FEW) }
+        Self { all: of(1), few: of(few) }
     }
 }
 

@@ -17,4 +17,4 @@ mod target;
 mod tests;
 
 pub(crate) use flight::{PhotonTracer, bent};
-pub(crate) use map::{FEW, Landed};
+pub(crate) use map::Landed;
