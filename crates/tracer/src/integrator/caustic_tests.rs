@@ -93,6 +93,18 @@ fn paths_of_photons_are_no_longer_than_others() {
 }
 
 #[test]
+fn a_lamp_of_infinite_radiance_spoils_no_other() {
+    let scene = |radiance: f32| {
+        let glowing = floor(Pieces::default()).sphere(1.0, glass(1.5));
+        // Far away, and shining upwards.
+        under_lamp(glowing.quad(Vec3::new(90.0, 0.0, 0.0), Vec3::Z, Vec3::X, lamp(radiance)))
+    };
+    let [with, without] =
+        [f32::INFINITY, 0.0].map(|radiance| render(&scene(radiance), &looking_down(SIZE), 16, &TraceSettings::DEFAULT));
+    assert_eq!((with.1.not_finite, &with.0.components), (0, &without.0.components));
+}
+
+#[test]
 fn where_something_moves_there_are_no_photons() {
     let motion = Motion { translate: glam::DVec3::X, turn: glam::DVec3::ZERO, centre: glam::DVec3::ZERO };
     let scene = under_lamp(floor(Pieces::default()).sphere(1.0, glass(1.5)).moving(motion));

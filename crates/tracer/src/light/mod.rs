@@ -159,7 +159,7 @@ fn lamp(scene: &Scene, index: usize) -> LightBounds {
 }
 
 /// Mean of the channels; 0 for a radiance nobody could mean.
-fn mean(radiance: Vec3) -> f64 {
+pub(crate) fn mean(radiance: Vec3) -> f64 {
     let mean = f64::from(radiance.element_sum()) / 3.0;
     if mean.is_finite() && mean > 0.0 { mean } else { 0.0 }
 }

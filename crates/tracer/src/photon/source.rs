@@ -7,10 +7,10 @@ use glam::{Vec2, Vec3};
 use super::target::Targets;
 use crate::Ray;
 use crate::interaction::Interaction;
-use crate::light::Lights;
+use crate::light::{self, Lights};
 use crate::sampler::warp::sample_sphere;
 use crate::sampler::{Decision, Stream};
-use crate::scene::Scene;
+use crate::scene::{EmissiveTriangle, Scene};
 
 /// Light that begins its way.
 #[derive(Clone, Copy, Debug)]
@@ -38,16 +38,12 @@ impl<'a> Sources<'a> {
     /// Those of `scene`; `None` when there are none, when nothing in it mirrors or refracts, or when something moves.
     pub(super) fn of(scene: &'a Scene) -> Option<Self> {
         let targets = if scene.is_still() { Targets::new(scene.specular_triangles())? } else { return None };
-        let power = |radiance: Vec3, area: f32| f64::from(area * radiance.element_sum().max(0.0));
-        let lamps: Vec<f64> = scene
-            .emitters
-            .iter()
-            .scan(0.0, |sum, lamp| {
-                *sum += power(lamp.radiance, lamp.area);
-                Some(*sum)
-            })
-            .collect();
-        let sky_shines = scene.environment.as_ref().is_some_and(|sky| sky.mean().max_element() > 0.0);
+        let add_power = |sum: &mut f64, lamp: &EmissiveTriangle| {
+            *sum += f64::from(lamp.area) * light::mean(lamp.radiance);
+            Some(*sum)
+        };
+        let lamps: Vec<f64> = scene.emitters.iter().scan(0.0, add_power).collect();
+        let sky_shines = scene.environment.as_ref().is_some_and(|sky| light::mean(sky.mean()) > 0.0);
         let sky_share = match (sky_shines, lamps.last().is_some_and(|all| *all > 0.0)) {
             (false, false) => return None,
             (true, false) => 1.0,
