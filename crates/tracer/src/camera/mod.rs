@@ -42,8 +42,7 @@ impl Camera {
     pub fn ray(&self, film: Vec2, lens: Vec2, time: f32) -> Ray {
         let [right, up, forward] = self.frame();
         let size = Vec2::new(self.film.width as f32, self.film.height as f32);
-        let half_height = (0.5 * self.fov.to_radians()).tan();
-        let plane = (2.0 * film - size) * (half_height / size.y);
+        let plane = (2.0 * film - size) * (0.5 * self.pixel_width());
         let through = plane.x * right - plane.y * up + forward;
         let on_lens = self.lens_radius * sample_disc(lens);
         let offset = on_lens.x * right + on_lens.y * up;

@@ -11,7 +11,7 @@ use crate::scene::Bounds;
 /// Larger ones would blur what lies next to a surface or is seen in its gloss.
 pub(super) const WIDEST: f32 = 0.35;
 
-/// A point on a diffuse surface that a path went on to from the surface that is seen.
+/// A point on a diffuse surface, or on the base of a coated one, that a path went on to from the surface that is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GatherPoint {
     pub(super) place: Place,
@@ -28,13 +28,18 @@ impl GatherPoint {
     /// that stands for a solid angle of `spread`², in a scene of those `bounds`. `None` where it has none.
     pub(crate) fn new(hit: &Interaction, bsdf: &Bsdf, throughput: Vec3, spread: f32, bounds: Bounds) -> Option<Self> {
         let albedo = bsdf.even_albedo()?;
-        let steps = (1 << DIGITS) as f32 / (bounds.max - bounds.min).max_element();
+        let steps = (1 << DIGITS) as f32 / bounds.extent().max_element();
         Some(Self {
             place: Place::new((hit.position - bounds.min) * steps, hit.facing_normal(), !bsdf.is_diffuse()),
             weight: throughput * albedo,
             found: Vec3::ZERO,
             levels: levels_within(WIDEST * spread * hit.distance * steps),
         })
+    }
+
+    /// Whether it lies on the base of a coated surface.
+    pub(crate) const fn is_coated(&self) -> bool {
+        self.place.is_coated()
     }
 
     pub(crate) fn is_finite(&self) -> bool {
@@ -45,7 +50,7 @@ impl GatherPoint {
     /// paths count by their weight: together they take what they brought, though a coat sends those on that weigh little.
     /// `None` where the path or the surface is blind to a colour.
     pub(super) fn leaving(&self) -> Option<[Vec3; 2]> {
-        let counts = if self.place.is_coated() { self.weight } else { Vec3::ONE };
+        let counts = if self.is_coated() { self.weight } else { Vec3::ONE };
         (self.weight.min_element() > 0.0).then(|| [self.found / self.weight * counts, counts])
     }
 }

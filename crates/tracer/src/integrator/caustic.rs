@@ -92,8 +92,8 @@ pub(super) struct Photons<'a> {
 }
 
 impl Photons<'_> {
-    /// Adds to what `path` gathers the caustic at the surface it has come to, and remembers where that is.
-    pub(super) fn show(&self, path: &mut Path, at: &Surface, max_depth: u32) {
+    /// Adds to what `path` gathers the caustic at the surface it has come to. Returns what the path must remember of that.
+    pub(super) fn show(&self, path: &mut Path, at: &Surface, max_depth: u32) -> Landing {
         let (own, others, most, radius) = if at.gathers {
             let radius = REACH_WHERE_GATHERED * path.spread * at.hit.distance;
             (&self.own.few, &self.others.few, MOST_WHERE_GATHERED, radius)
@@ -112,7 +112,7 @@ impl Photons<'_> {
                 path.gather(found, at.shared_from(photon.towards, path));
             }
         });
-        path.landing = Some(Landing { sent, normal, cosine: 0.0, thinned: 1.0 });
+        Landing { sent, normal, cosine: 0.0, thinned: 1.0 }
     }
 
     /// Share of what emitter `emitter` sends to the end of the path that is left to it.

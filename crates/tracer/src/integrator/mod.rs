@@ -28,6 +28,5 @@ mod repeatability_tests;
 mod test_scenes;
 
 pub use error::TraceError;
-pub use path::PathTracer;
 pub use settings::{DirectLight, FeatureHit, TraceSettings};
 pub use trace::{TraceReport, trace};

@@ -17,7 +17,7 @@ use crate::scene::Scene;
 
 /// Follows paths through a scene.
 #[derive(Debug)]
-pub struct PathTracer<'a> {
+pub(super) struct PathTracer<'a> {
     pub(super) scene: &'a Scene,
     pub(super) lights: Lights<'a>,
     pub(super) settings: TraceSettings,
@@ -25,7 +25,7 @@ pub struct PathTracer<'a> {
 
 impl<'a> PathTracer<'a> {
     /// Prepares to follow paths through `scene`.
-    pub fn new(scene: &'a Scene, settings: &TraceSettings) -> Self {
+    pub(super) fn new(scene: &'a Scene, settings: &TraceSettings) -> Self {
         Self { scene, lights: Lights::new(scene), settings: *settings }
     }
 
@@ -57,10 +57,8 @@ impl<'a> PathTracer<'a> {
                 recorded.lit = f32::from(arrives);
             }
             if !bsdf.is_specular() {
-                path.landing = None;
-            }
-            if let Some(photons) = photons.filter(|_| (is_feature_hit || gathers) && goes_on && !bsdf.is_specular()) {
-                photons.show(&mut path, &surface, self.settings.max_depth);
+                let shown = photons.filter(|_| (is_feature_hit || gathers) && goes_on);
+                path.landing = shown.map(|photons| photons.show(&mut path, &surface, self.settings.max_depth));
             }
             if !(goes_on && scatter(&mut path, &surface, stream) && self.survives(&mut path, bounce, stream)) {
                 break;
@@ -116,17 +114,17 @@ fn scatter(path: &mut Path, at: &Surface, stream: &Stream) -> bool {
     let Some(sample) = at.bsdf.sample_direction(choice, stream.sample_2d(Decision::direction(at.bounce))) else {
         return false;
     };
+    let squeezed = sample.eta * sample.eta;
     if let Some(landing) = &mut path.landing {
         if at.bsdf.is_specular() {
-            landing.thinned *=
-                sample.eta * sample.eta * photon::bent(at.hit, at.bsdf, sample.direction, at.hit.outgoing);
+            landing.thinned *= squeezed * photon::bent(at.hit, at.bsdf, sample.direction, at.hit.outgoing);
         } else {
             landing.cosine = landing.normal.dot(sample.direction).max(0.0);
         }
     }
     path.shared = at.shared_from(sample.direction, path);
     path.throughput *= sample.weight;
-    path.eta_scale *= sample.eta * sample.eta;
+    path.eta_scale *= squeezed;
     path.specular &= at.bsdf.is_specular();
     path.spread = sample.pdf.map_or(path.spread, |pdf| pdf.sqrt().recip());
     path.departure = sample.pdf.map(|pdf| Departure { pdf, receiver: at.bsdf.receiver() });

@@ -45,8 +45,6 @@ pub(super) struct Path {
     pub(super) departure: Option<Departure>,
     /// Share of what it finds from here on that is found for others, too, where light is gathered.
     pub(super) shared: Vec3,
-    /// Whether light is gathered at a diffuse surface.
-    pub(super) gathers_diffuse: bool,
     /// Length of its way so far.
     pub(super) length: f32,
     /// Where photons show it caustics, as long as it has met only mirrors and clear glass since.
@@ -74,7 +72,6 @@ impl Path {
             eta_scale: 1.0,
             departure: None,
             shared: Vec3::ONE,
-            gathers_diffuse: false,
             length: 0.0,
             landing: None,
             spread: 0.0,
@@ -125,13 +122,12 @@ impl Path {
         if !self.indirect {
             return false;
         }
-        let is_better = self.record.to_gather.is_none() || (bsdf.is_diffuse() && !self.gathers_diffuse);
+        let is_better = self.record.to_gather.is_none_or(|point| point.is_coated() && bsdf.is_diffuse());
         let point = || GatherPoint::new(hit, bsdf, self.throughput, self.spread, bounds);
         let Some(point) = is_better.then(point).flatten() else { return false };
         if let Some(coated) = self.record.to_gather.replace(point) {
             self.record.gathered += coated.found;
         }
-        self.gathers_diffuse = bsdf.is_diffuse();
         true
     }
 

@@ -5,7 +5,8 @@ use rayon::prelude::*;
 use stack::{Cancelled, Knobs, Monitor, SampleMap, place};
 
 use super::caustic::{Caustics, PassPhotons, Photons};
-use super::{PathTracer, TraceError, TraceSettings, passes};
+use super::path::PathTracer;
+use super::{TraceError, TraceSettings, passes};
 use crate::camera::Camera;
 use crate::film::{Film, SampleRecord, Tile, TileSums};
 use crate::sampler::{self, Decision, Sampler, Stream};

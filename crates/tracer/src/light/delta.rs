@@ -8,6 +8,7 @@ use super::fork::Fork;
 use super::{LightSample, Receiver, mean};
 use crate::bsdf::Frame;
 use crate::interaction::Interaction;
+use crate::sampler::warp::sample_cap;
 
 /// A light that no ray can hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -128,9 +129,7 @@ fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
 fn on_disc(towards: Vec3, angle: f32, u: Vec2) -> (Vec3, f32) {
     // 1 − cos, without cancellation.
     let most = 2.0 * (0.5 * angle).sin().powi(2);
-    let height = u.x * most;
-    let across = Vec2::from_angle(2.0 * PI * u.y) * (height * (2.0 - height)).max(0.0).sqrt();
-    let direction = Frame::new(towards).to_world(across.extend(1.0 - height)).normalize();
+    let direction = Frame::new(towards).to_world(sample_cap(most, u)).normalize();
     (direction, 2.0 / (2.0 - most))
 }
 

@@ -1,6 +1,6 @@
 //! Photons that have landed, found by where they are.
 
-use std::ops::{ControlFlow, Range};
+use std::ops::ControlFlow;
 
 use glam::Vec3;
 
@@ -46,12 +46,11 @@ impl Photon {
     }
 }
 
-/// What a search needs of a photon, so that it reads little.
+/// What a photon is the middle of; of no meaning in leaves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Node {
-    position: Vec3,
-    /// Along which axis the photons of which this is the middle are split.
-    axis: u32,
+    /// Along which axis these photons are split.
+    axis: usize,
     /// The box round them.
     bounds: Bounds,
 }
@@ -69,9 +68,8 @@ pub(crate) struct PhotonMap {
 impl PhotonMap {
     /// Photons that have landed of those that were `sent`.
     pub(super) fn new(mut photons: Vec<Photon>, sent: u32) -> Self {
-        let mut nodes = vec![Node { position: Vec3::ZERO, axis: 0, bounds: Bounds::EMPTY }; photons.len()];
+        let mut nodes = vec![Node { axis: 0, bounds: Bounds::EMPTY }; photons.len()];
         split(&mut photons, &mut nodes);
-        nodes.iter_mut().zip(&photons).for_each(|(node, photon)| node.position = photon.position);
         Self { photons, nodes, sent }
     }
 
@@ -105,16 +103,13 @@ impl PhotonMap {
         squared: f32,
         mut visit: impl FnMut(&Photon) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        let mut visit_near = |index: usize| {
-            if self.nodes[index].position.distance_squared(position) <= squared {
-                let photon = &self.photons[index];
-                if photon.normal.dot(normal) > SAME_SURFACE {
-                    return visit(photon);
-                }
+        let mut visit_near = |photon: &Photon| {
+            if photon.position.distance_squared(position) <= squared && photon.normal.dot(normal) > SAME_SURFACE {
+                visit(photon)?;
             }
             ControlFlow::Continue(())
         };
-        walk(&self.nodes, 0..self.nodes.len(), position, squared.sqrt(), &mut visit_near)
+        walk(&self.photons, &self.nodes, position, squared.sqrt(), &mut visit_near)
     }
 }
 
@@ -148,38 +143,37 @@ fn split(photons: &mut [Photon], nodes: &mut [Node]) {
     let axis = bounds.extent().max_position();
     let middle = photons.len() / 2;
     photons.select_nth_unstable_by(middle, |a, b| a.position[axis].total_cmp(&b.position[axis]));
-    nodes[middle] = Node { axis: axis as u32, bounds, ..nodes[middle] };
+    nodes[middle] = Node { axis, bounds };
     let (below, above) = photons.split_at_mut(middle);
     let (nodes_below, nodes_above) = nodes.split_at_mut(middle);
     rayon::join(|| split(below, nodes_below), || split(&mut above[1..], &mut nodes_above[1..]));
 }
 
-/// Visits all photons of the tree `range` that may be within `reach` of `position`.
+/// Visits all `photons` of a tree that may be within `reach` of `position`.
 fn walk(
+    photons: &[Photon],
     nodes: &[Node],
-    range: Range<usize>,
     position: Vec3,
     reach: f32,
-    visit: &mut impl FnMut(usize) -> ControlFlow<()>,
+    visit: &mut impl FnMut(&Photon) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
-    if range.len() <= LEAF {
-        return range.into_iter().try_for_each(visit);
+    if photons.len() <= LEAF {
+        return photons.iter().try_for_each(visit);
     }
-    let middle = range.start + range.len() / 2;
-    let Node { axis, bounds, .. } = nodes[middle];
+    let middle = photons.len() / 2;
+    let Node { axis, bounds } = nodes[middle];
     if position.distance_squared(position.clamp(bounds.min, bounds.max)) > reach * reach {
         return ControlFlow::Continue(());
     }
-    let axis = axis as usize;
-    let beyond = position[axis] - nodes[middle].position[axis];
+    let beyond = position[axis] - photons[middle].position[axis];
     if beyond <= reach {
-        walk(nodes, range.start..middle, position, reach, visit)?;
+        walk(&photons[..middle], &nodes[..middle], position, reach, visit)?;
     }
     if beyond.abs() <= reach {
-        visit(middle)?;
+        visit(&photons[middle])?;
     }
     if beyond >= -reach {
-        walk(nodes, middle + 1..range.end, position, reach, visit)?;
+        walk(&photons[middle + 1..], &nodes[middle + 1..], position, reach, visit)?;
     }
     ControlFlow::Continue(())
 }

@@ -5,7 +5,7 @@ use std::f32::consts::PI;
 use glam::{Vec2, Vec3};
 
 use crate::bsdf::Frame;
-use crate::sampler::warp::sample_disc;
+use crate::sampler::warp::{sample_cap, sample_disc};
 use crate::scene::Bounds;
 
 /// How often a ball may be split into two.
@@ -69,10 +69,8 @@ impl Targets {
     pub(super) fn direction_from(&self, point: Vec3, choice: f32, u: Vec2) -> Vec3 {
         let heights = || self.balls.iter().map(|ball| ball.height_from(point));
         let (ball, height) = self.chosen(choice, heights);
-        let along = height * u.x;
-        let across = Vec2::from_angle(2.0 * PI * u.y) * (along * (2.0 - along)).max(0.0).sqrt();
         let towards = (ball.centre - point).try_normalize().unwrap_or(Vec3::Z);
-        Frame::new(towards).to_world(across.extend(1.0 - along)).normalize()
+        Frame::new(towards).to_world(sample_cap(height, u)).normalize()
     }
 
     /// Density of [`direction_from`](Self::direction_from) per solid angle.
@@ -115,13 +113,16 @@ impl Targets {
 /// Balls round `triangles`, split in the middle while that makes them smaller.
 fn split(triangles: &mut [[Vec3; 3]], times: u32) -> Vec<Ball> {
     let whole = Ball::round(triangles);
+    if times == 0 {
+        return vec![whole];
+    }
     let centre = |triangle: &[Vec3; 3]| triangle.iter().sum::<Vec3>() / 3.0;
     let bounds = Bounds::of(triangles.iter().map(centre));
-    let axis = (bounds.max - bounds.min).max_position();
+    let axis = bounds.extent().max_position();
     let middle = bounds.centre()[axis];
     triangles.sort_by_key(|triangle| centre(triangle)[axis] >= middle);
     let first = triangles.partition_point(|triangle| centre(triangle)[axis] < middle);
-    if times == 0 || first == 0 || first == triangles.len() {
+    if first == 0 || first == triangles.len() {
         return vec![whole];
     }
     let (below, above) = triangles.split_at_mut(first);

@@ -30,6 +30,15 @@ pub fn cosine_hemisphere_pdf(cosine: f32) -> f32 {
     cosine.max(0.0) * FRAC_1_PI
 }
 
+/// A direction of the cap round +z that is `height` high (1 − the cosine of its half-angle, 0 … 2), uniform over solid
+/// angle.
+#[inline]
+pub fn sample_cap(height: f32, u: Vec2) -> Vec3 {
+    let below = height * u.x;
+    let across = Vec2::from_angle(TAU * u.y) * (below * (2.0 - below)).max(0.0).sqrt();
+    across.extend(1.0 - below)
+}
+
 /// A direction of the sphere, uniform over solid angle.
 #[inline]
 pub fn sample_sphere(u: Vec2) -> Vec3 {
@@ -81,6 +90,16 @@ mod tests {
         assert!((mean(|u| sample_cosine_hemisphere(u).z) - 2.0 / 3.0).abs() < 1e-3);
         assert!((mean(|u| sample_cosine_hemisphere(u).z.powi(2)) - 0.5).abs() < 1e-4);
         assert!((mean(|u| sample_cosine_hemisphere(u).y.powi(2)) - 0.25).abs() < 1e-4);
+    }
+
+    #[test]
+    fn cap_moments_are_those_of_its_slice() {
+        // Along z a sphere is even (Archimedes): between 1 − h and 1.
+        for height in [0.01, 0.5, 2.0] {
+            assert!((mean(|u| sample_cap(height, u).z) - (1.0 - 0.5 * height)).abs() < 1e-5);
+            assert!(mean(|u| sample_cap(height, u).x).abs() < 1e-4);
+            assert!(grid().all(|u| (sample_cap(height, u).length() - 1.0).abs() < 1e-5));
+        }
     }
 
     #[test]
