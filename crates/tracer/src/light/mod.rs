@@ -25,7 +25,7 @@ pub(crate) use tree::LightTree;
 
 use crate::Ray;
 use crate::interaction::Interaction;
-use crate::scene::Scene;
+use crate::scene::{EmissiveTriangle, Scene};
 
 /// The sky is found by following surfaces, wherever it is seen at all; lamps are not. So the sky takes no more than
 /// this share of the light samples when there are lamps.
@@ -151,11 +151,12 @@ impl<'a> Lights<'a> {
 fn lamp(scene: &Scene, index: usize) -> LightBounds {
     let emitter = &scene.emitters[index];
     let sweep = scene.emitter_sweep(index);
-    LightBounds {
-        bounds: sweep.bounds,
-        cone: NormalCone::new(sweep.normal, sweep.turn),
-        power: f64::from(PI * emitter.area) * mean(emitter.radiance),
-    }
+    LightBounds { bounds: sweep.bounds, cone: NormalCone::new(sweep.normal, sweep.turn), power: power(emitter) }
+}
+
+/// Power of `emitter`, averaged over the channels.
+pub(crate) fn power(emitter: &EmissiveTriangle) -> f64 {
+    f64::from(PI * emitter.area) * mean(emitter.radiance)
 }
 
 /// Mean of the channels; 0 for a radiance nobody could mean.

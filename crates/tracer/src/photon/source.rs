@@ -39,7 +39,7 @@ impl<'a> Sources<'a> {
     pub(super) fn of(scene: &'a Scene) -> Option<Self> {
         let targets = if scene.is_still() { Targets::new(scene.specular_triangles())? } else { return None };
         let add_power = |sum: &mut f64, lamp: &EmissiveTriangle| {
-            *sum += f64::from(lamp.area) * light::mean(lamp.radiance);
+            *sum += light::power(lamp);
             Some(*sum)
         };
         let lamps: Vec<f64> = scene.emitters.iter().scan(0.0, add_power).collect();
