@@ -8,6 +8,7 @@ mod experiment;
 mod exposure;
 mod failure;
 mod guide;
+mod huge_pages;
 mod info;
 mod interrupt;
 mod mask;
@@ -22,6 +23,9 @@ mod stdout;
 use std::process::ExitCode;
 
 use args::Task;
+
+#[global_allocator]
+static ALLOCATOR: huge_pages::HugePages = huge_pages::HugePages;
 
 fn main() -> ExitCode {
     let (cli, matches) = args::parse();

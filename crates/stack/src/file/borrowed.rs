@@ -1,10 +1,8 @@
 //! Channels that are written from where they lie: a stack is most of the memory there is, and must not be copied.
 
-use exr::block::lines::LineRefMut;
-use exr::image::write::samples::{SamplesWriter, WritableSamples};
-use exr::math::RoundingMode;
-use exr::meta::attribute::{LevelMode, SampleType};
-use exr::meta::header::Header;
+use std::ops::Range;
+
+use exr::meta::attribute::SampleType;
 use exr::prelude::FlatSamples;
 
 /// Borrowed values of one channel, row-major.
@@ -16,17 +14,9 @@ pub enum BorrowedSamples<'a> {
     Any(&'a FlatSamples),
 }
 
-/// Hands lines of a channel to the encoder.
-#[derive(Clone, Copy, Debug)]
-pub struct LineSource<'a> {
-    width: usize,
-    samples: BorrowedSamples<'a>,
-}
-
-impl<'s, 'a: 's> WritableSamples<'s> for BorrowedSamples<'a> {
-    type Writer = LineSource<'s>;
-
-    fn sample_type(&self) -> SampleType {
+impl BorrowedSamples<'_> {
+    /// What kind of numbers they are.
+    pub fn kind(&self) -> SampleType {
         match self {
             Self::Float(_) | Self::Any(FlatSamples::F32(_)) => SampleType::F32,
             Self::Any(FlatSamples::F16(_)) => SampleType::F16,
@@ -34,26 +24,20 @@ impl<'s, 'a: 's> WritableSamples<'s> for BorrowedSamples<'a> {
         }
     }
 
-    fn infer_level_modes(&self) -> (LevelMode, RoundingMode) {
-        (LevelMode::Singular, RoundingMode::Down)
-    }
-
-    fn create_samples_writer(&'s self, header: &Header) -> LineSource<'s> {
-        LineSource { width: header.layer_size.width(), samples: *self }
+    /// Appends those in `range` to `bytes`, little-endian.
+    pub fn append_to(&self, bytes: &mut Vec<u8>, range: Range<usize>) {
+        match self {
+            Self::Float(values) => append(bytes, &values[range], |v| v.to_le_bytes()),
+            Self::Any(FlatSamples::F32(values)) => append(bytes, &values[range], |v| v.to_le_bytes()),
+            Self::Any(FlatSamples::F16(values)) => append(bytes, &values[range], |v| v.to_le_bytes()),
+            Self::Any(FlatSamples::U32(values)) => append(bytes, &values[range], |v| v.to_le_bytes()),
+        }
     }
 }
 
-impl SamplesWriter for LineSource<'_> {
-    fn extract_line(&self, line: LineRefMut<'_>) {
-        let start = line.location.position.y() * self.width + line.location.position.x();
-        let range = start..start + line.location.sample_count;
-        let written = match self.samples {
-            BorrowedSamples::Float(values) => line.write_samples_from_slice(&values[range]),
-            BorrowedSamples::Any(FlatSamples::F32(values)) => line.write_samples_from_slice(&values[range]),
-            BorrowedSamples::Any(FlatSamples::F16(values)) => line.write_samples_from_slice(&values[range]),
-            BorrowedSamples::Any(FlatSamples::U32(values)) => line.write_samples_from_slice(&values[range]),
-        };
-        // The encoder made the line's buffer from the header these samples describe.
-        written.expect("a line fits its buffer");
-    }
+fn append<T: Copy, const N: usize>(bytes: &mut Vec<u8>, values: &[T], to_bytes: impl Fn(T) -> [u8; N]) {
+    let start = bytes.len();
+    bytes.resize(start + N * values.len(), 0);
+    let (places, _) = bytes[start..].as_chunks_mut::<N>();
+    places.iter_mut().zip(values).for_each(|(place, value)| *place = to_bytes(*value));
 }

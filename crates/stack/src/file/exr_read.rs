@@ -21,9 +21,6 @@ use super::memory::check_fits;
 use super::{Carried, FileError, Layers, Passthrough};
 use crate::{Size, Window};
 
-/// Blocks that are decoded at a time: enough for many threads, few enough not to hold the file twice.
-const BATCH: usize = 8;
-
 /// Bytes that one byte of a file can stand for: deflate reaches 1032, the other codecs less, but for DWA.
 const MOST_COMPRESSED: u128 = 1100;
 
@@ -61,7 +58,7 @@ pub fn outline_exr(path: &Path) -> Result<(Layers, Size), FileError> {
 }
 
 /// As [`read_exr`], from anywhere; `path` is what messages call it.
-pub(super) fn read_exr_from(path: &Path, mut source: impl Read + Seek) -> Result<Layers, FileError> {
+pub(super) fn read_exr_from(path: &Path, mut source: impl Read + Seek + Send) -> Result<Layers, FileError> {
     let damaged = |error| understand(path, error);
     let length = source.seek(SeekFrom::End(0)).and_then(|length| source.rewind().map(|()| length));
     let length = length.map_err(|source| FileError::io(path, "read", source))?;
@@ -75,14 +72,12 @@ pub(super) fn read_exr_from(path: &Path, mut source: impl Read + Seek) -> Result
     let (mut chunks, mut seen) = (chunks.into_iter(), HashSet::new());
     let meta =
         exr::meta::MetaData { requirements: requirements(&headers, path)?, headers: headers.iter().cloned().collect() };
-    loop {
-        let batch: Vec<Chunk> = chunks.by_ref().take(BATCH).collect::<Result<_, _>>().map_err(damaged)?;
-        if batch.is_empty() {
-            break;
-        }
-        let decode = |chunk| UncompressedBlock::decompress_chunk(chunk, &meta, false);
-        let blocks: Vec<UncompressedBlock> =
-            batch.into_par_iter().map(decode).collect::<Result<_, _>>().map_err(damaged)?;
+    let decode = |chunk| UncompressedBlock::decompress_chunk(chunk, &meta, false);
+    let mut next = || -> Result<Vec<UncompressedBlock>, exr::error::Error> {
+        let batch: Vec<Chunk> = chunks.by_ref().take(blocks_at_once()).collect::<Result<_, _>>()?;
+        batch.into_par_iter().map(decode).collect()
+    };
+    let mut put = |blocks: Vec<UncompressedBlock>| {
         for block in &blocks {
             let position = block.index.pixel_position;
             if !seen.insert((block.index.layer, position.x(), position.y())) {
@@ -90,9 +85,22 @@ pub(super) fn read_exr_from(path: &Path, mut source: impl Read + Seek) -> Result
             }
             place(block, &headers[block.index.layer], &mut parts[block.index.layer]).map_err(damaged)?;
         }
+        Ok(())
+    };
+    let mut blocks = next().map_err(damaged)?;
+    while !blocks.is_empty() {
+        let (placed, decoded) = rayon::join(|| put(blocks), &mut next);
+        placed?;
+        blocks = decoded.map_err(damaged)?;
     }
     add_channels(&mut layers, &headers, parts)?;
     Ok(layers)
+}
+
+/// Blocks that are unzipped or zipped at a time, while as many are put in place or written: two for each thread, not to
+/// hold the file twice.
+pub(super) fn blocks_at_once() -> usize {
+    2 * rayon::current_num_threads()
 }
 
 /// Gives `layers` the channels of all parts, whose samples are `parts`.

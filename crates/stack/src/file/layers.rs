@@ -3,13 +3,11 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use exr::prelude::{
-    AnyChannel, AnyChannels, AttributeValue, Blocks, Compression, Encoding, FlatSamples, Layer, LineOrder, Text,
-    WritableImage,
-};
+use exr::prelude::{AttributeValue, FlatSamples, Text};
 
 use super::borrowed::BorrowedSamples;
 use super::exr_read::{outline_exr, read_exr, understand};
+use super::exr_write::write_exr;
 use super::header_order::sort_attributes;
 use super::pfm::{is_pfm, outline_pfm, read_pfm_layers};
 use super::{Carried, FileError, write_atomically};
@@ -17,10 +15,6 @@ use crate::{Size, Window};
 
 /// Name of the one text attribute that holds all our metadata.
 pub(super) const METADATA: &str = "tamis";
-
-/// Zipped scan lines in rising order: every reader takes them, and the bytes do not depend on the thread count.
-const ENCODING: Encoding =
-    Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
 
 /// A channel nobody here interprets, carried along with its name and its own number type.
 #[derive(Clone, Debug, PartialEq)]
@@ -162,13 +156,11 @@ pub(super) fn write_channels(
         attributes.other.insert(Text::from(METADATA), AttributeValue::Text(text));
         names.insert(METADATA.into());
     }
-    let channels = channels.into_iter().map(|(name, samples)| AnyChannel::new(name.as_str(), samples)).collect();
+    let channels = channels.into_iter().map(|(name, samples)| (Text::from(name.as_str()), samples)).collect();
     let size = (frame.window.size.width, frame.window.size.height);
-    let mut image =
-        exr::prelude::Image::from_layer(Layer::new(size, attributes, ENCODING, AnyChannels::sort(channels)));
-    image.attributes = image_attributes;
     write_atomically(path, |out| {
-        image.write().to_buffered(&mut *out).map_err(|error| understand(path, error))?;
+        write_exr(&mut *out, size, (image_attributes, attributes), channels)
+            .map_err(|error| understand(path, error))?;
         let failed = |source| FileError::io(path, "write", source);
         out.flush().map_err(failed)?;
         sort_attributes(*out.get_mut(), &names).map_err(failed)
