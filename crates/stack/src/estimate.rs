@@ -81,39 +81,96 @@ impl Estimate {
         let Noise::Buckets(buckets) = &self.noise else { return None };
         let mut variance = Image::zeros(self.mean.size(), self.mean.channels().len());
         let counts = counts.grouped(buckets.len());
-        for (c, plane) in variance.channels_mut().iter_mut().enumerate() {
-            let buckets: Vec<&[f32]> = buckets.iter().map(|bucket| &bucket.channels()[c][..]).collect();
-            plane.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, out)| {
-                spread(&buckets, &counts, chunk * CHUNK, |value| map(c, value), out);
-            });
-        }
+        in_pieces(&mut variance, |first, piece| {
+            let counts = PieceCounts::new(&counts, 0..buckets.len(), first, piece[0].len());
+            for (c, out) in piece.iter_mut().enumerate() {
+                counts.spread(|number| &buckets[number].channels()[c][first..], |value| map(c, value), out);
+            }
+        });
         Some(variance)
     }
 }
 
 /// Pixels that one task works on.
-const CHUNK: usize = 1024;
+const PIECE: usize = 1024;
+
+/// Calls `fill` with every piece of consecutive pixels: the number of its first, and all its channels.
+fn in_pieces(image: &mut Image, fill: impl Fn(usize, &mut [&mut [f32]]) + Sync) {
+    let mut pieces: Vec<Vec<&mut [f32]>> = Vec::new();
+    pieces.resize_with(image.size().pixels().div_ceil(PIECE), Vec::new);
+    for plane in image.channels_mut() {
+        pieces.iter_mut().zip(plane.chunks_mut(PIECE)).for_each(|(piece, plane)| piece.push(plane));
+    }
+    pieces.par_iter_mut().enumerate().for_each(|(number, piece)| fill(number * PIECE, piece));
+}
+
+/// Sample counts of consecutive pixels.
+struct PieceCounts {
+    /// For each of the buckets asked for its number, and its samples of every pixel.
+    buckets: Vec<(usize, Vec<f32>)>,
+    /// Samples of every pixel in them together.
+    total: Vec<f32>,
+}
+
+impl PieceCounts {
+    /// Those in the buckets `numbers` of `pixels` pixels from number `first` on.
+    fn new(counts: &GroupCounts, numbers: impl Iterator<Item = usize>, first: usize, pixels: usize) -> Self {
+        let of = |number: usize| (first..first + pixels).map(|pixel| counts.of(pixel, number) as f32).collect();
+        let buckets: Vec<(usize, Vec<f32>)> = numbers.map(|number| (number, of(number))).collect();
+        let mut total = vec![0.0; pixels];
+        for (_, counts) in &buckets {
+            total.iter_mut().zip(counts).for_each(|(total, n)| *total += n);
+        }
+        Self { buckets, total }
+    }
+
+    /// Mean of the buckets' `values`, weighted by their counts; zero where none has a sample.
+    fn mean<'a>(&self, values: impl Fn(usize) -> &'a [f32], out: &mut [f32]) {
+        for (number, counts) in &self.buckets {
+            for ((sum, n), value) in out.iter_mut().zip(counts).zip(values(*number)) {
+                // What a bucket without samples holds may be anything.
+                *sum += if *n > 0.0 { n * value } else { 0.0 };
+            }
+        }
+        out.iter_mut().zip(&self.total).for_each(|(sum, n)| *sum = if *n > 0.0 { *sum / n } else { 0.0 });
+    }
+
+    /// Variance of the mean of the buckets' `values` after `map`; NaN where fewer than two hold samples.
+    fn spread<'a>(&self, values: impl Fn(usize) -> &'a [f32], map: impl Fn(f32) -> f32, out: &mut [f32]) {
+        let (mut filled, mut mean) = (vec![0.0_f32; out.len()], vec![0.0; out.len()]);
+        for (number, counts) in &self.buckets {
+            for (((mean, filled), n), value) in mean.iter_mut().zip(&mut filled).zip(counts).zip(values(*number)) {
+                *mean += if *n > 0.0 { n * map(*value) } else { 0.0 };
+                *filled += if *n > 0.0 { 1.0 } else { 0.0 };
+            }
+        }
+        mean.iter_mut().zip(&self.total).for_each(|(sum, n)| *sum /= n);
+        for (number, counts) in &self.buckets {
+            for (((sum, mean), n), value) in out.iter_mut().zip(&mean).zip(counts).zip(values(*number)) {
+                let difference = map(*value) - mean;
+                *sum += if *n > 0.0 { n * (difference * difference) } else { 0.0 };
+            }
+        }
+        for ((out, filled), total) in out.iter_mut().zip(&filled).zip(&self.total) {
+            *out = if *filled < 2.0 { f32::NAN } else { *out / ((filled - 1.0) * total) };
+        }
+    }
+}
 
 /// Mean of those `buckets` whose `numbers` are given, weighted by their counts; zero where none has a sample.
-fn weighted_mean_of(buckets: &[Image], counts: &SampleCounts, numbers: impl Iterator<Item = usize>) -> Image {
-    let numbers: Vec<usize> = numbers.collect();
+fn weighted_mean_of(
+    buckets: &[Image],
+    counts: &SampleCounts,
+    numbers: impl Iterator<Item = usize> + Clone + Sync,
+) -> Image {
     let mut image = Image::zeros(buckets[0].size(), buckets[0].channels().len());
     let counts = counts.grouped(buckets.len());
-    for (c, plane) in image.channels_mut().iter_mut().enumerate() {
-        plane.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, sums)| {
-            let (first, mut weights) = (chunk * CHUNK, vec![0.0; sums.len()]);
-            for number in &numbers {
-                let values = &buckets[*number].channels()[c][first..][..sums.len()];
-                for (i, ((sum, weight), value)) in sums.iter_mut().zip(&mut weights).zip(values).enumerate() {
-                    let n = counts.of(first + i, *number) as f32;
-                    // What a bucket without samples holds may be anything.
-                    *sum += if n > 0.0 { n * value } else { 0.0 };
-                    *weight += n;
-                }
-            }
-            sums.iter_mut().zip(&weights).for_each(|(sum, n)| *sum = if *n > 0.0 { *sum / n } else { 0.0 });
-        });
-    }
+    in_pieces(&mut image, |first, piece| {
+        let counts = PieceCounts::new(&counts, numbers.clone(), first, piece[0].len());
+        for (c, out) in piece.iter_mut().enumerate() {
+            counts.mean(|number| &buckets[number].channels()[c][first..], out);
+        }
+    });
     image
 }
 
@@ -123,35 +180,6 @@ fn weighted_mean(buckets: &[Image], counts: &SampleCounts) -> Image {
 
 fn group_mean(buckets: &[Image], counts: &SampleCounts, group: usize, groups: usize) -> Image {
     weighted_mean_of(buckets, counts, (group..buckets.len()).step_by(groups))
-}
-
-/// Variance of the mean of `buckets` at consecutive pixels from number `first` on; NaN where fewer than two hold samples.
-fn spread(buckets: &[&[f32]], counts: &GroupCounts, first: usize, map: impl Fn(f32) -> f32, out: &mut [f32]) {
-    let length = out.len();
-    let [mut filled, mut total, mut sum] = [(); 3].map(|()| vec![0.0; length]);
-    let mut held = vec![vec![[0.0; 2]; length]; buckets.len()];
-    for (number, (bucket, held)) in buckets.iter().zip(&mut held).enumerate() {
-        for i in 0..length {
-            let n = counts.of(first + i, number) as f32;
-            // What a bucket without samples holds may be anything.
-            let value = if n > 0.0 { map(bucket[first + i]) } else { 0.0 };
-            filled[i] += if n > 0.0 { 1.0 } else { 0.0 };
-            total[i] += n;
-            sum[i] += n * value;
-            held[i] = [n, value];
-        }
-    }
-    out.fill(0.0);
-    for held in &held {
-        for i in 0..length {
-            let [n, value] = held[i];
-            let difference = value - sum[i] / total[i];
-            out[i] += n * (difference * difference);
-        }
-    }
-    for i in 0..length {
-        out[i] = if filled[i] < 2.0 { f32::NAN } else { out[i] / ((filled[i] - 1.0) * total[i]) };
-    }
 }
 
 #[cfg(test)]
