@@ -8,9 +8,9 @@ mod experiment;
 mod exposure;
 mod failure;
 mod guide;
-mod huge_pages;
 mod info;
 mod interrupt;
+mod large_blocks;
 mod mask;
 mod memory;
 mod options;
@@ -25,9 +25,10 @@ use std::process::ExitCode;
 use args::Task;
 
 #[global_allocator]
-static ALLOCATOR: huge_pages::HugePages = huge_pages::HugePages;
+static ALLOCATOR: large_blocks::HugePages = large_blocks::HugePages;
 
 fn main() -> ExitCode {
+    large_blocks::keep_freed();
     let (cli, matches) = args::parse();
     let outcome = match cli.command {
         Task::Render(args) => render::run(&args, &matches),
