@@ -10,6 +10,9 @@ use std::alloc::{GlobalAlloc, Layout, System};
 /// Blocks from this size on, in bytes: two huge pages, so that half of what is asked for lies in whole ones.
 const LARGE: usize = 4 << 20;
 
+/// Blocks up to this size, in bytes, come from what was freed: the most that can be asked for. Larger ones are given back.
+pub const KEPT_BLOCK: usize = 32 << 20;
+
 /// The system's allocator, which asks for huge pages for large blocks.
 pub struct HugePages;
 
@@ -65,14 +68,12 @@ fn ask_for_huge_pages(_: *mut u8, _: usize) {}
 pub fn keep_freed() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     {
-        /// Free memory that may be kept, in bytes.
-        const KEPT: libc::c_int = 256 << 20;
-        /// Blocks up to this size come from what is kept, in bytes: the most that can be asked for.
-        const KEPT_BLOCK: libc::c_int = 32 << 20;
+        /// Free memory that may be kept at the end of what is used, in bytes.
+        const KEPT: libc::c_int = 64 << 20;
         // SAFETY: the first thing the program does, before there are other threads. A refusal changes nothing.
         unsafe {
             libc::mallopt(libc::M_TRIM_THRESHOLD, KEPT);
-            libc::mallopt(libc::M_MMAP_THRESHOLD, KEPT_BLOCK);
+            libc::mallopt(libc::M_MMAP_THRESHOLD, KEPT_BLOCK as libc::c_int);
         }
     }
 }

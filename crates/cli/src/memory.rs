@@ -9,11 +9,15 @@ use stack::file::Survey;
 use stack::{FeatureStack, Size};
 
 use crate::failure::usage;
+use crate::large_blocks::KEPT_BLOCK;
 
 // As `peak_bytes` of `tamis denoise --json` told for two megapixels (docs/performance.md); in bytes a pixel but for the first.
 
 /// What the program itself takes, in bytes.
 const PROGRAM: f64 = 6e7;
+
+/// Between planes that are no larger than what is kept when it is freed.
+const HOLES: f64 = 110.0;
 
 /// Beside the stack while its features are freed of noise.
 const PREPARING: f64 = 100.0;
@@ -150,8 +154,9 @@ impl From<&Survey> for Need {
 impl Need {
     /// The plan for `most` bytes, or the least that is needed.
     fn plan(self, most: f64, then: Afterwards) -> Result<Plan, f64> {
-        let most = most - PROGRAM;
         let pixels = self.size.pixels() as f64;
+        let holes = if pixels * 4.0 <= KEPT_BLOCK as f64 { HOLES * pixels } else { 0.0 };
+        let most = most - PROGRAM - holes;
         // What knows nothing of its noise is taken apart in two.
         let rebuilding = REBUILDING + PART * self.buckets.clamp(2, MOST_PARTS) as f64;
         let whole = WHOLE.max(rebuilding);
@@ -162,7 +167,7 @@ impl Need {
         let beside = if then.guide { GUIDED_LATE } else { PREPARING };
         let before = (self.stack + pixels * beside).max(self.stays + pixels * rebuilding);
         if before > most {
-            return Err(before + PROGRAM);
+            return Err(before + PROGRAM + holes);
         }
         if self.stays + pixels * whole <= most {
             return Ok(Plan { free: true, rows: usize::MAX });
@@ -208,16 +213,20 @@ mod tests {
 
     #[test]
     fn less_memory_frees_the_stack_then_cuts_bands_and_then_is_refused() {
-        let need = Need { size: Size::new(1000, 4000), stack: 4e6 * 364.0, stays: 0.0, buckets: 2 };
-        let plan = |bytes_per_pixel: f64, output| need.plan(4e6 * bytes_per_pixel, Afterwards { output, guide: false });
+        let need = Need { size: Size::new(1000, 10_000), stack: 1e7 * 364.0, stays: 0.0, buckets: 2 };
+        let plan = |bytes_per_pixel: f64, output| need.plan(1e7 * bytes_per_pixel, Afterwards { output, guide: false });
         assert_eq!(plan(1000.0, true), Ok(Plan { free: false, rows: usize::MAX }));
         assert_eq!(plan(800.0, true), Ok(Plan { free: true, rows: usize::MAX }));
         assert_eq!(plan(1000.0, false), Ok(Plan { free: true, rows: usize::MAX }));
         let rows = plan(495.0, false).unwrap().rows;
-        assert!((500..2000).contains(&rows), "{rows}");
-        assert!(plan(400.0, false).unwrap_err() > 4e6 * 450.0);
-        let guided = |bytes_per_pixel: f64| need.plan(4e6 * bytes_per_pixel, Afterwards { output: false, guide: true });
+        assert!((1000..5000).contains(&rows), "{rows}");
+        assert!(plan(400.0, false).unwrap_err() > 1e7 * 450.0);
+        let guided = |bytes_per_pixel: f64| need.plan(1e7 * bytes_per_pixel, Afterwards { output: false, guide: true });
         assert_eq!(guided(1010.0), Ok(Plan { free: false, rows: usize::MAX }));
         assert!(guided(900.0).unwrap().free && guided(600.0).is_err());
+        // Smaller planes leave holes.
+        let small = Need { size: Size::new(1000, 2000), stack: 2e6 * 364.0, ..need };
+        let plan = |bytes_per_pixel: f64| small.plan(2e6 * bytes_per_pixel, Afterwards { output: true, guide: false });
+        assert!(plan(1000.0).unwrap().free && !plan(1100.0).unwrap().free);
     }
 }

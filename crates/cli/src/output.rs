@@ -57,6 +57,10 @@ impl Outputs {
 
     /// Whether the samples themselves are written, and not only what is made of them.
     pub fn need_inputs(&self) -> bool {
+        self.wants_inputs() && self.files.iter().any(|file| extension(file) == "exr")
+    }
+
+    fn wants_inputs(&self) -> bool {
         self.layers.iter().any(|layer| layer == "inputs")
     }
 
@@ -82,7 +86,7 @@ impl Outputs {
         let maps = written.reconstruction.map_or_else(Vec::new, maps_of);
         let mut results =
             vec![ResultLayer { name: "", channels: &["R", "G", "B"], planes: written.picture.channels() }];
-        let with_inputs = self.need_inputs();
+        let with_inputs = self.wants_inputs();
         if wants("samples") && !with_inputs {
             results.push(ResultLayer { name: "samples", channels: &["Y"], planes: &samples });
         }
