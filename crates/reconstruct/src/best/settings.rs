@@ -264,8 +264,8 @@ impl BestSettings {
     /// scales of details that both halves agree on; spread events as they fall; lost light looked for nearby.
     pub fn hastened(self) -> Self {
         let regression = FitSettings {
-            stride: 6,
-            covered: 0.2,
+            stride: 5,
+            covered: 0.1,
             first_radius: 5,
             second_radius: 7,
             // No window is so tiny that the lattice leaves most pixels to fits of their own.
