@@ -78,7 +78,10 @@ impl Task<'_> {
         let survey = survey(&self.inputs, &self.args.reading.options())?;
         let settings = resolve(self.args, self.matches, survey.header.as_ref())?;
         let then = Afterwards { output: outputs.need_inputs(), guide: self.args.guide.is_some() };
-        let plan = |need: Need| Plan::new(self.args.max_memory, need, settings.reconstruction.method, then);
+        let plan = |need: Need| {
+            let need = need.with_passes(self.args.also.len());
+            Plan::new(self.args.max_memory, need, settings.reconstruction.method, then)
+        };
         // What is too large is refused before a pixel is read.
         plan(Need::from(&survey))?;
         let mut read = self.read()?;

@@ -26,6 +26,8 @@ const WHOLE: f64 = 500.0;
 /// … and before it, beside what each independent part of the light takes.
 const REBUILDING: f64 = 430.0;
 const PART: f64 = 21.0;
+/// For each pass that is rebuilt beside the picture.
+const PASS: f64 = 85.0;
 /// In a second pass by bands: what is there of the whole picture …
 const KEPT: f64 = 395.0;
 /// … and what of the rows that are made at once, which are copied.
@@ -127,6 +129,8 @@ pub struct Need {
     /// See [`FeatureStack::staying_bytes`].
     stays: f64,
     buckets: usize,
+    /// Passes that are rebuilt beside the picture.
+    passes: usize,
 }
 
 impl From<&FeatureStack> for Need {
@@ -136,6 +140,7 @@ impl From<&FeatureStack> for Need {
             stack: stack.bytes() as f64,
             stays: stack.staying_bytes() as f64,
             buckets: stack.samples.dealing.buckets(),
+            passes: 0,
         }
     }
 }
@@ -147,19 +152,26 @@ impl From<&Survey> for Need {
             stack: survey.bytes as f64,
             stays: survey.staying_bytes as f64,
             buckets: survey.buckets,
+            passes: 0,
         }
     }
 }
 
 impl Need {
+    /// With so many passes rebuilt beside the picture.
+    pub fn with_passes(self, passes: usize) -> Self {
+        Self { passes, ..self }
+    }
+
     /// The plan for `most` bytes, or the least that is needed.
     fn plan(self, most: f64, then: Afterwards) -> Result<Plan, f64> {
         let pixels = self.size.pixels() as f64;
         let holes = if pixels * 4.0 <= KEPT_BLOCK as f64 { HOLES * pixels } else { 0.0 };
         let most = most - PROGRAM - holes;
         // What knows nothing of its noise is taken apart in two.
-        let rebuilding = REBUILDING + PART * self.buckets.clamp(2, MOST_PARTS) as f64;
-        let whole = WHOLE.max(rebuilding);
+        let passes = PASS * self.passes as f64;
+        let rebuilding = REBUILDING + PART * self.buckets.clamp(2, MOST_PARTS) as f64 + passes;
+        let whole = (WHOLE + passes).max(rebuilding);
         let at_once = self.stack + pixels * if then.guide { GUIDED } else { whole };
         if then.needs_stack() && at_once <= most {
             return Ok(Plan { free: false, rows: usize::MAX });
@@ -172,7 +184,7 @@ impl Need {
         if self.stays + pixels * whole <= most {
             return Ok(Plan { free: true, rows: usize::MAX });
         }
-        let share = ((most - self.stays) / pixels - KEPT) / AT_ONCE;
+        let share = ((most - self.stays) / pixels - KEPT - passes) / AT_ONCE;
         let rows = (share * self.size.height as f64 - MARGIN).max(1.0) as usize;
         Ok(Plan { free: true, rows })
     }
@@ -213,7 +225,7 @@ mod tests {
 
     #[test]
     fn less_memory_frees_the_stack_then_cuts_bands_and_then_is_refused() {
-        let need = Need { size: Size::new(1000, 10_000), stack: 1e7 * 364.0, stays: 0.0, buckets: 2 };
+        let need = Need { size: Size::new(1000, 10_000), stack: 1e7 * 364.0, stays: 0.0, buckets: 2, passes: 0 };
         let plan = |bytes_per_pixel: f64, output| need.plan(1e7 * bytes_per_pixel, Afterwards { output, guide: false });
         assert_eq!(plan(1000.0, true), Ok(Plan { free: false, rows: usize::MAX }));
         assert_eq!(plan(800.0, true), Ok(Plan { free: true, rows: usize::MAX }));
@@ -228,5 +240,8 @@ mod tests {
         let small = Need { size: Size::new(1000, 2000), stack: 2e6 * 364.0, ..need };
         let plan = |bytes_per_pixel: f64| small.plan(2e6 * bytes_per_pixel, Afterwards { output: true, guide: false });
         assert!(plan(1000.0).unwrap().free && !plan(1100.0).unwrap().free);
+        // Passes take more.
+        let plan = |passes| need.with_passes(passes).plan(1e7 * 1000.0, Afterwards { output: true, guide: false });
+        assert!(!plan(0).unwrap().free && plan(3).unwrap().free && plan(9).is_err());
     }
 }

@@ -261,7 +261,7 @@ impl BestSettings {
     }
 
     /// The same in a fraction of the time: few fits in small windows and few candidates, mixed by the rule alone; fewer
-    /// scales of details that both halves agree on; spread events as they fall; lost light looked for nearby.
+    /// scales of details that both halves agree on; spread events as they fall.
     pub fn hastened(self) -> Self {
         let regression = FitSettings {
             stride: 5,
@@ -278,7 +278,6 @@ impl BestSettings {
             spread: SpreadSettings { levels: 0, ..self.spread },
             cascade: CascadeSettings { levels: 4, parts: 2, ..self.cascade },
             clouds: CloudSettings { levels: 0, ..self.clouds },
-            restore: RestoreSettings { levels: self.restore.levels.min(2), ..self.restore },
             choice: ChoiceSettings { learned: false, ..self.choice },
             ..self
         }

@@ -97,10 +97,10 @@ pub(super) fn read_exr_from(path: &Path, mut source: impl Read + Seek + Send) ->
     Ok(layers)
 }
 
-/// Blocks that are unzipped or zipped at a time, while as many are put in place or written: two for each thread, not to
-/// hold the file twice.
+/// Blocks that are unzipped or zipped at a time, while as many are put in place or written: enough for many threads, few
+/// enough not to hold the file twice.
 pub(super) fn blocks_at_once() -> usize {
-    2 * rayon::current_num_threads()
+    rayon::current_num_threads().clamp(4, 16)
 }
 
 /// Gives `layers` the channels of all parts, whose samples are `parts`.
