@@ -167,7 +167,8 @@ impl Need {
     fn plan(self, most: f64, then: Afterwards) -> Result<Plan, f64> {
         let pixels = self.size.pixels() as f64;
         let holes = if pixels * 4.0 <= KEPT_BLOCK as f64 { HOLES * pixels } else { 0.0 };
-        let most = most - PROGRAM - holes;
+        let apart = PROGRAM + holes;
+        let most = most - apart;
         // What knows nothing of its noise is taken apart in two.
         let passes = PASS * self.passes as f64;
         let rebuilding = REBUILDING + PART * self.buckets.clamp(2, MOST_PARTS) as f64 + passes;
@@ -179,7 +180,7 @@ impl Need {
         let beside = if then.guide { GUIDED_LATE } else { PREPARING };
         let before = (self.stack + pixels * beside).max(self.stays + pixels * rebuilding);
         if before > most {
-            return Err(before + PROGRAM + holes);
+            return Err(before + apart);
         }
         if self.stays + pixels * whole <= most {
             return Ok(Plan { free: true, rows: usize::MAX });

@@ -57,11 +57,11 @@ impl Outputs {
 
     /// Whether the samples themselves are written, and not only what is made of them.
     pub fn need_inputs(&self) -> bool {
-        self.wants_inputs() && self.files.iter().any(|file| extension(file) == "exr")
+        self.wants("inputs") && self.files.iter().any(|file| extension(file) == "exr")
     }
 
-    fn wants_inputs(&self) -> bool {
-        self.layers.iter().any(|layer| layer == "inputs")
+    fn wants(&self, layer: &str) -> bool {
+        self.layers.iter().any(|wanted| wanted == layer)
     }
 
     /// Writes every output.
@@ -81,16 +81,15 @@ impl Outputs {
     }
 
     fn write_exr(&self, file: &Path, written: &Written<'_>) -> Result<()> {
-        let wants = |layer: &str| self.layers.iter().any(|l| l == layer);
         let samples: Vec<Vec<f32>> = vec![written.stack.samples.total.iter().map(|&n| n as f32).collect()];
         let maps = written.reconstruction.map_or_else(Vec::new, maps_of);
         let mut results =
             vec![ResultLayer { name: "", channels: &["R", "G", "B"], planes: written.picture.channels() }];
-        let with_inputs = self.wants_inputs();
-        if wants("samples") && !with_inputs {
+        let with_inputs = self.wants("inputs");
+        if self.wants("samples") && !with_inputs {
             results.push(ResultLayer { name: "samples", channels: &["Y"], planes: &samples });
         }
-        for (name, planes) in maps.iter().filter(|(name, _)| wants(name)) {
+        for (name, planes) in maps.iter().filter(|(name, _)| self.wants(name)) {
             results.push(ResultLayer {
                 name,
                 channels: if planes.len() == 1 { &["Y"] } else { &["R", "G", "B"] },

@@ -110,6 +110,8 @@ struct PieceCounts {
     buckets: Vec<(usize, Vec<f32>)>,
     /// Samples of every pixel in them together.
     total: Vec<f32>,
+    /// How many of them hold samples of each pixel.
+    filled: Vec<f32>,
 }
 
 impl PieceCounts {
@@ -117,19 +119,22 @@ impl PieceCounts {
     fn new(counts: &GroupCounts, numbers: impl Iterator<Item = usize>, first: usize, pixels: usize) -> Self {
         let of = |number: usize| (first..first + pixels).map(|pixel| counts.of(pixel, number) as f32).collect();
         let buckets: Vec<(usize, Vec<f32>)> = numbers.map(|number| (number, of(number))).collect();
-        let mut total = vec![0.0; pixels];
+        let (mut total, mut filled) = (vec![0.0; pixels], vec![0.0; pixels]);
         for (_, counts) in &buckets {
-            total.iter_mut().zip(counts).for_each(|(total, n)| *total += n);
+            for ((total, filled), n) in total.iter_mut().zip(&mut filled).zip(counts) {
+                *total += n;
+                *filled += if *n > 0.0 { 1.0 } else { 0.0 };
+            }
         }
-        Self { buckets, total }
+        Self { buckets, total, filled }
     }
 
-    /// Mean of the buckets' `values`, weighted by their counts; zero where none has a sample.
-    fn mean<'a>(&self, values: impl Fn(usize) -> &'a [f32], out: &mut [f32]) {
+    /// Mean of the buckets' `values` after `map`, weighted by their counts; zero where none has a sample.
+    fn mean<'a>(&self, values: impl Fn(usize) -> &'a [f32], map: impl Fn(f32) -> f32, out: &mut [f32]) {
         for (number, counts) in &self.buckets {
             for ((sum, n), value) in out.iter_mut().zip(counts).zip(values(*number)) {
                 // What a bucket without samples holds may be anything.
-                *sum += if *n > 0.0 { n * value } else { 0.0 };
+                *sum += if *n > 0.0 { n * map(*value) } else { 0.0 };
             }
         }
         out.iter_mut().zip(&self.total).for_each(|(sum, n)| *sum = if *n > 0.0 { *sum / n } else { 0.0 });
@@ -137,21 +142,15 @@ impl PieceCounts {
 
     /// Variance of the mean of the buckets' `values` after `map`; NaN where fewer than two hold samples.
     fn spread<'a>(&self, values: impl Fn(usize) -> &'a [f32], map: impl Fn(f32) -> f32, out: &mut [f32]) {
-        let (mut filled, mut mean) = (vec![0.0_f32; out.len()], vec![0.0; out.len()]);
-        for (number, counts) in &self.buckets {
-            for (((mean, filled), n), value) in mean.iter_mut().zip(&mut filled).zip(counts).zip(values(*number)) {
-                *mean += if *n > 0.0 { n * map(*value) } else { 0.0 };
-                *filled += if *n > 0.0 { 1.0 } else { 0.0 };
-            }
-        }
-        mean.iter_mut().zip(&self.total).for_each(|(sum, n)| *sum /= n);
+        let mut mean = vec![0.0; out.len()];
+        self.mean(&values, &map, &mut mean);
         for (number, counts) in &self.buckets {
             for (((sum, mean), n), value) in out.iter_mut().zip(&mean).zip(counts).zip(values(*number)) {
                 let difference = map(*value) - mean;
                 *sum += if *n > 0.0 { n * (difference * difference) } else { 0.0 };
             }
         }
-        for ((out, filled), total) in out.iter_mut().zip(&filled).zip(&self.total) {
+        for ((out, filled), total) in out.iter_mut().zip(&self.filled).zip(&self.total) {
             *out = if *filled < 2.0 { f32::NAN } else { *out / ((filled - 1.0) * total) };
         }
     }
@@ -168,7 +167,7 @@ fn weighted_mean_of(
     in_pieces(&mut image, |first, piece| {
         let counts = PieceCounts::new(&counts, numbers.clone(), first, piece[0].len());
         for (c, out) in piece.iter_mut().enumerate() {
-            counts.mean(|number| &buckets[number].channels()[c][first..], out);
+            counts.mean(|number| &buckets[number].channels()[c][first..], |value| value, out);
         }
     });
     image
