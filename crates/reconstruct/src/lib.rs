@@ -8,6 +8,7 @@
 pub mod adaptive;
 mod bands;
 pub mod best;
+pub mod block_matching;
 pub mod box_filter;
 mod by_component;
 pub mod collaborative;

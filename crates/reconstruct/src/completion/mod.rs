@@ -8,6 +8,7 @@
 mod lack;
 mod local_fit;
 mod noise;
+mod picture;
 mod place;
 mod roughness;
 
@@ -18,6 +19,7 @@ use stack::{Component, Estimate, Feature, FeatureRole, FeatureStack, Image, Moni
 use crate::prefilter::{PrefilterError, check};
 pub use lack::Lack;
 use noise::measured_variance;
+use picture::without_noise;
 pub(crate) use place::has_depth;
 use place::{position_from_depth, position_on_screen};
 use roughness::roughness;
@@ -35,6 +37,8 @@ stack::knobs! {
         noise_roughness: f32 = 2.0, 0.0..=1e6;
         /// The same where no feature may explain detail.
         colour_roughness: f32 = 0.8, 0.0..=1e6;
+        /// Multiple of the measured noise that is taken out of a picture which stands in for features; 0 leaves it out.
+        picture_noise: f32 = 1.3, 0.0..=100.0;
         /// Multiple of a feature's roughness that is taken for its variance.
         feature_roughness: f32 = 0.5, 0.0..=1000.0;
     }
@@ -60,6 +64,7 @@ pub fn complete<'a>(
 ) -> Result<Completed<'a>, PrefilterError> {
     monitor.begin("completion", 1);
     let mut completed = Completed { stack: Cow::Borrowed(stack), lacks: Vec::new() };
+    completed.add_picture(settings);
     completed.measure_features(settings);
     if stack.feature(FeatureRole::Position).is_none() {
         completed.add_position(settings)?;
@@ -70,6 +75,17 @@ pub fn complete<'a>(
 }
 
 impl Completed<'_> {
+    /// Where there is no feature, the picture itself becomes one, freed of noise.
+    fn add_picture(&mut self, settings: &CompletionSettings) {
+        if !self.stack.features.is_empty() || settings.picture_noise == 0.0 {
+            return;
+        }
+        let Some(mean) = without_noise(&self.stack.beauty(), settings.picture_noise) else { return };
+        let estimate = Estimate { mean, noise: Noise::Unknown };
+        self.lacks.push(Lack::FEATURES);
+        self.stack.to_mut().features.push(Feature { role: FeatureRole::Albedo, estimate });
+    }
+
     fn add_position(&mut self, settings: &CompletionSettings) -> Result<(), PrefilterError> {
         let (size, depth) = (self.stack.size(), self.stack.feature(FeatureRole::Depth));
         let (lack, estimate) = match depth {
@@ -81,7 +97,9 @@ impl Completed<'_> {
             }
             None => (Lack::PLACE, Estimate { mean: position_on_screen(size), noise: Noise::Unknown }),
         };
-        self.lacks.push(if self.stack.features.is_empty() { Lack::FEATURES } else { lack });
+        if !self.lacks.contains(&Lack::FEATURES) {
+            self.lacks.push(if self.stack.features.is_empty() { Lack::FEATURES } else { lack });
+        }
         self.stack.to_mut().features.insert(0, Feature { role: FeatureRole::Position, estimate });
         Ok(())
     }

@@ -1,0 +1,152 @@
+//! Filtering by groups of alike patches (BM3D; Dabov et al. 2007): what many patches of a picture have in common is
+//! kept, what each has alone is noise. It needs neither features nor buckets.
+//!
+//! Patches that resemble one are stacked and transformed, by a cosine transform of each and a Haar transform along the
+//! stack (`group`). The first sweep sets small coefficients to zero; the second finds patches in the first one's picture
+//! and shrinks coefficients as that picture's power over the noise's says (Wiener). Every patch of a group is put back,
+//! and what overlaps is averaged by how little noise is left in it.
+
+mod group;
+mod matching;
+
+use rayon::prelude::*;
+use stack::Size;
+
+use group::{Group, PATCH, Patch};
+use matching::{Corner, alike};
+
+/// Side of a patch, in pixels.
+pub const SIDE: usize = PATCH;
+
+/// Pixels from one group's first patch to the next one's.
+const STEP: usize = 3;
+
+/// Patches of a group are at most this far from its first, in rows and in columns.
+const REACH: usize = 16;
+
+/// Coefficients below this multiple of the noise are dropped.
+const THRESHOLD: f32 = 2.7;
+
+/// Most patches of a group: powers of two, for the Haar transform.
+const FIRST_GROUP: usize = 16;
+const SECOND_GROUP: usize = 32;
+
+/// Rows of groups per thread whose sums are held before they are added to the picture, in order.
+const WAVE: usize = 4;
+
+/// `noisy` planes, with white noise of variance 1 each, without most of it. Patches are compared in the first plane.
+/// `None` where the picture is smaller than a patch.
+pub fn block_matched(noisy: &[Vec<f32>], size: Size) -> Option<Vec<Vec<f32>>> {
+    if size.width.min(size.height) < SIDE {
+        return None;
+    }
+    let first = Sweep { size, noisy, pilot: None }.run();
+    Some(Sweep { size, noisy, pilot: Some(&first) }.run())
+}
+
+/// Once over the picture.
+#[derive(Clone, Copy, Debug)]
+struct Sweep<'a> {
+    size: Size,
+    noisy: &'a [Vec<f32>],
+    /// What tells the power of the picture, if anything does.
+    pilot: Option<&'a [Vec<f32>]>,
+}
+
+impl Sweep<'_> {
+    fn run(&self) -> Vec<Vec<f32>> {
+        let mut sums = vec![vec![[0.0_f32; 2]; self.size.pixels()]; self.noisy.len()];
+        let rows = corners(self.size.height);
+        for wave in rows.chunks(WAVE * rayon::current_num_threads()) {
+            let bands: Vec<Band> =
+                wave.par_iter().map(|y| pulp::Arch::new().dispatch(Row { sweep: self, y: *y })).collect();
+            for band in bands {
+                let first = band.top * self.size.width;
+                for (sums, band) in sums.iter_mut().zip(band.sums) {
+                    for (sum, part) in sums[first..].iter_mut().zip(band) {
+                        *sum = [sum[0] + part[0], sum[1] + part[1]];
+                    }
+                }
+            }
+        }
+        sums.into_iter().map(|sums| sums.into_iter().map(|[sum, weight]| sum / weight).collect()).collect()
+    }
+
+    /// Adds the groups of the patches with their upper border in row `y` to `band`.
+    #[inline(always)]
+    fn add_row(&self, y: usize, band: &mut Band) {
+        let compared = &self.pilot.unwrap_or(self.noisy)[0];
+        let most = if self.pilot.is_some() { SECOND_GROUP } else { FIRST_GROUP };
+        let mut found = Vec::new();
+        for x in corners(self.size.width) {
+            alike(compared, self.size, Corner { x, y }, REACH, most, &mut found);
+            for (plane, sums) in band.sums.iter_mut().enumerate() {
+                let (patches, weight) = self.shrunk(plane, &found);
+                for (corner, patch) in found.iter().zip(patches) {
+                    add_patch(
+                        &patch,
+                        weight,
+                        &mut sums[(corner.y - band.top) * self.size.width + corner.x..],
+                        self.size,
+                    );
+                }
+            }
+        }
+    }
+
+    /// The patches of `plane` at the `found` corners after shrinkage, and the weight of each.
+    #[inline(always)]
+    fn shrunk(&self, plane: usize, found: &[Corner]) -> (Vec<Patch>, f32) {
+        let group_of = |from: &[Vec<f32>]| Group::new(found.iter().map(|corner| corner.patch(&from[plane], self.size)));
+        let mut group = group_of(self.noisy);
+        let noise_left = match self.pilot {
+            None => group.drop_below(THRESHOLD),
+            Some(pilot) => group.shrink_like(&group_of(pilot)),
+        };
+        (group.into_patches(), 1.0 / noise_left)
+    }
+}
+
+/// One row of groups, and what it adds to rows `top` and below.
+struct Row<'a> {
+    sweep: &'a Sweep<'a>,
+    y: usize,
+}
+
+impl pulp::NullaryFnOnce for Row<'_> {
+    type Output = Band;
+
+    #[inline(always)]
+    fn call(self) -> Band {
+        let Self { sweep: Sweep { size, noisy, .. }, y } = self;
+        let top = y.saturating_sub(REACH);
+        let rows = (y + REACH + SIDE).min(size.height) - top;
+        let mut band = Band { top, sums: vec![vec![[0.0; 2]; rows * size.width]; noisy.len()] };
+        self.sweep.add_row(y, &mut band);
+        band
+    }
+}
+
+/// Weighted sums and weights of some rows, for each plane.
+struct Band {
+    top: usize,
+    sums: Vec<Vec<[f32; 2]>>,
+}
+
+#[inline(always)]
+fn add_patch(patch: &Patch, weight: f32, sums: &mut [[f32; 2]], size: Size) {
+    for (row, values) in patch.iter().enumerate() {
+        for (sum, value) in sums[row * size.width..][..SIDE].iter_mut().zip(values) {
+            *sum = [sum[0] + weight * value, sum[1] + weight];
+        }
+    }
+}
+
+/// First rows (or columns) of the groups' first patches, so that they cover `length` pixels.
+fn corners(length: usize) -> Vec<usize> {
+    let last = length - SIDE;
+    (0..last).step_by(STEP).chain([last]).collect()
+}
+
+#[cfg(test)]
+mod tests;
