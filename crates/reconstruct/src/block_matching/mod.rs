@@ -19,10 +19,10 @@ use matching::{Corner, alike};
 pub const SIDE: usize = PATCH;
 
 /// Pixels from one group's first patch to the next one's.
-const STEP: usize = 3;
+const STEP: usize = 4;
 
 /// Patches of a group are at most this far from its first, in rows and in columns.
-const REACH: usize = 16;
+const REACH: usize = 12;
 
 /// Coefficients below this multiple of the noise are dropped.
 const THRESHOLD: f32 = 2.7;
