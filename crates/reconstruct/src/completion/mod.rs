@@ -38,7 +38,7 @@ stack::knobs! {
         /// The same where no feature may explain detail.
         colour_roughness: f32 = 0.8, 0.0..=1e6;
         /// Multiple of the measured noise that is taken out of a picture which stands in for features; 0 leaves it out.
-        picture_noise: f32 = 1.3, 0.0..=100.0;
+        picture_noise: f32 = 1.2, 0.0..=100.0;
         /// Multiple of a feature's roughness that is taken for its variance.
         feature_roughness: f32 = 0.5, 0.0..=1000.0;
     }

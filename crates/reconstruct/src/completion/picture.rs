@@ -9,13 +9,13 @@ use crate::box_filter::box_mean;
 use crate::lone_light::share_like_neighbours;
 
 /// Noise of one pixel is that of this many around it in each direction, on average.
-const RADIUS: usize = 10;
+const RADIUS: usize = 15;
 
 /// Light is seen on a logarithmic scale above this share of the median.
 const DARK: f32 = 0.1;
 
 /// A difference of logarithms that is as much as one between black and white.
-const RANGE: f32 = 5.0;
+const RANGE: f32 = 8.0;
 
 /// Least deviation of noise, on a scale of logarithms.
 const LEAST_NOISE: f32 = 1e-3;
@@ -47,11 +47,9 @@ pub fn without_noise(picture: &Image, factor: f32) -> Option<Image> {
     for (plane, deviations) in clean.iter_mut().zip(&deviations) {
         plane.iter_mut().zip(deviations).for_each(|(value, deviation)| *value *= deviation);
     }
-    let clean = Image::from_channels(size, clean);
-    Some(mixed(&clean, COLOURS, |value, _| value)).map(|mut colours| {
-        colours.channels_mut().iter_mut().flatten().for_each(|v| *v = (*v / RANGE).max(0.0));
-        colours
-    })
+    let mut colours = mixed(&Image::from_channels(size, clean), COLOURS, |value, _| value);
+    colours.channels_mut().iter_mut().flatten().for_each(|v| *v = (*v / RANGE).max(0.0));
+    Some(colours)
 }
 
 fn ratio(values: &[f32], by: &[f32]) -> Vec<f32> {
@@ -72,4 +70,58 @@ fn median(picture: &Image) -> f32 {
     let mut values: Vec<f32> = (0..picture.pixels()).map(|pixel| picture.mean_at(pixel)).collect();
     let middle = values.len() / 2;
     *values.select_nth_unstable_by(middle, f32::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use stack::Size;
+
+    use super::*;
+    use crate::test_noise::TestNoise;
+
+    const SIZE: Size = Size::new(48, 48);
+
+    /// Deviation of green from its mean over the right wall's inside, and the difference of both walls' means.
+    fn walls(picture: &Image) -> [f32; 2] {
+        let mean = |range: std::ops::Range<usize>, of: &dyn Fn(f32) -> f32| {
+            let inside = |i: &usize| range.contains(&(i % SIZE.width));
+            let values: Vec<f32> = (0..SIZE.pixels()).filter(inside).map(|i| of(picture.rgb(i)[1])).collect();
+            values.iter().sum::<f32>() / values.len() as f32
+        };
+        let [left, right] = [mean(0..22, &|v| v), mean(26..48, &|v| v)];
+        [mean(26..48, &|v| (v - right).powi(2)).sqrt(), right - left]
+    }
+
+    #[test]
+    fn noise_goes_a_firefly_goes_and_the_edge_stays() {
+        let mut noise = TestNoise(11);
+        let mut plane = || -> Vec<f32> {
+            let wall = |i: usize| if i % SIZE.width < 24 { 0.5 } else { 2.0 };
+            (0..SIZE.pixels()).map(|i| wall(i) * (1.0 + 0.2 * noise.normal() as f32)).collect()
+        };
+        let mut picture = Image::from_channels(SIZE, vec![plane(), plane(), plane()]);
+        picture.channels_mut().iter_mut().for_each(|plane| plane[SIZE.index(36, 20)] = 500.0);
+        let [left, difference] = walls(&without_noise(&picture, 1.2).unwrap());
+        let [noisy, _] = walls(&without_noise(&picture, 0.01).unwrap());
+        assert!(left < 0.2 * noisy, "{left} of {noisy}");
+        let expected = ((2.0 / 0.125_f32 + 1.0).ln() - (0.5 / 0.125_f32 + 1.0).ln()) / RANGE;
+        assert!((difference / expected - 1.0).abs() < 0.1, "{difference} for {expected}");
+    }
+
+    #[test]
+    fn black_pictures_are_black_and_small_ones_have_none() {
+        let black = without_noise(&Image::zeros(SIZE, 3), 1.2).unwrap();
+        assert!(black.channels().iter().flatten().all(|v| *v == 0.0));
+        assert!(without_noise(&Image::zeros(Size::new(7, 48), 3), 1.2).is_none());
+    }
+
+    #[test]
+    fn opponents_lead_back_to_colours() {
+        for (i, row) in COLOURS.iter().enumerate() {
+            for j in 0..3 {
+                let product: f32 = (0..3).map(|k| row[k] * OPPONENTS[k][j]).sum();
+                assert!((product - if i == j { 1.0 } else { 0.0 }).abs() < 1e-6);
+            }
+        }
+    }
 }

@@ -63,6 +63,18 @@ fn every_lack_is_told() {
     assert_eq!(completed.stack.features[0].role, FeatureRole::Position);
 }
 
+#[test]
+fn colour_alone_becomes_its_own_feature_unless_it_is_left_out() {
+    let colour = poor(stack_of(&walls(SIZE), 2), &[]);
+    let roles = |settings: &CompletionSettings| -> Vec<FeatureRole> {
+        complete(&colour, settings, &Silent).unwrap().stack.features.iter().map(|feature| feature.role).collect()
+    };
+    assert_eq!(roles(&CompletionSettings::DEFAULT), [FeatureRole::Position, FeatureRole::Albedo]);
+    let without = CompletionSettings { picture_noise: 0.0, ..CompletionSettings::DEFAULT };
+    assert_eq!(roles(&without), [FeatureRole::Position]);
+    assert_eq!(complete(&colour, &without, &Silent).unwrap().lacks, [Lack::FEATURES, Lack::NOISE]);
+}
+
 /// Mean measured variance over the true one in both walls.
 fn ratios(clean: &Image, deviation: f32, features: &[FeatureRole]) -> [f32; 2] {
     let mut stack = stack_of(clean, 3);
