@@ -29,16 +29,21 @@ pub struct Group(Vec<Patch>);
 impl Group {
     /// Transforms as many `patches` as some power of two.
     #[inline(always)]
-    pub fn new(patches: impl Iterator<Item = Patch>) -> Self {
-        let mut group: Vec<Patch> = patches.map(|patch| twice(&COSINES, &patch)).collect();
-        let mut sums = group.len();
-        while sums > 1 {
-            let (low, high) = halves(&group[..sums]);
-            sums /= 2;
-            group[..sums].copy_from_slice(&low);
-            group[sums..2 * sums].copy_from_slice(&high);
+    pub fn new(mut patches: Vec<Patch>) -> Self {
+        // Loops, here and below: closures are not compiled for the widest instructions there are.
+        for patch in &mut patches {
+            *patch = twice(&COSINES, patch);
         }
-        Self(group)
+        let mut other = patches.clone();
+        let mut sums = patches.len();
+        while sums > 1 {
+            sums /= 2;
+            for i in 0..sums {
+                (other[i], other[sums + i]) = butterfly(&patches[2 * i], &patches[2 * i + 1]);
+            }
+            patches[..2 * sums].copy_from_slice(&other[..2 * sums]);
+        }
+        Self(patches)
     }
 
     /// Sets all but the mean to zero that is below `threshold`, and returns how many are left.
@@ -74,34 +79,38 @@ impl Group {
     /// The patches of which these are the coefficients.
     #[inline(always)]
     pub fn into_patches(self) -> Vec<Patch> {
-        let mut group = self.0;
+        let mut patches = self.0;
+        let mut other = patches.clone();
         let mut sums = 1;
-        while sums < group.len() {
-            let pair = |i: usize| <[Patch; 2]>::from(butterfly(&group[i], &group[sums + i]));
-            let pairs: Vec<Patch> = (0..sums).flat_map(pair).collect();
+        while sums < patches.len() {
+            for i in 0..sums {
+                (other[2 * i], other[2 * i + 1]) = butterfly(&patches[i], &patches[sums + i]);
+            }
             sums *= 2;
-            group[..sums].copy_from_slice(&pairs);
+            patches[..sums].copy_from_slice(&other[..sums]);
         }
         let back = transposed(&COSINES);
-        group.iter().map(|patch| twice(&back, patch)).collect()
+        for patch in &mut patches {
+            *patch = twice(&back, patch);
+        }
+        patches
     }
 }
 
 /// A group that says nothing weighs much, but not all.
 const LEAST_LEFT: f32 = 1e-3;
 
-/// Sums and differences of neighbours, over √2.
-#[inline(always)]
-fn halves(group: &[Patch]) -> (Vec<Patch>, Vec<Patch>) {
-    group.chunks_exact(2).map(|pair| butterfly(&pair[0], &pair[1])).unzip()
-}
-
+/// Sums and differences, over √2.
 #[inline(always)]
 fn butterfly(a: &Patch, b: &Patch) -> (Patch, Patch) {
-    let both = |value: fn(f32, f32) -> f32| {
-        std::array::from_fn(|row| std::array::from_fn(|i| FRAC_1_SQRT_2 * value(a[row][i], b[row][i])))
-    };
-    (both(|a, b| a + b), both(|a, b| a - b))
+    let (mut sum, mut difference) = (*a, *a);
+    for row in 0..PATCH {
+        for i in 0..PATCH {
+            sum[row][i] = FRAC_1_SQRT_2 * (a[row][i] + b[row][i]);
+            difference[row][i] = FRAC_1_SQRT_2 * (a[row][i] - b[row][i]);
+        }
+    }
+    (sum, difference)
 }
 
 /// `matrix` applied to columns, then to rows; the result stands on its side, which the way back puts right.
@@ -112,20 +121,26 @@ fn twice(matrix: &Patch, patch: &Patch) -> Patch {
 
 #[inline(always)]
 fn product(matrix: &Patch, patch: &Patch) -> Patch {
-    std::array::from_fn(|row| {
-        let mut sums = [0.0; PATCH];
-        for (factor, values) in matrix[row].iter().zip(patch) {
+    let mut product = [[0.0; PATCH]; PATCH];
+    for (sums, factors) in product.iter_mut().zip(matrix) {
+        for (factor, values) in factors.iter().zip(patch) {
             for (sum, value) in sums.iter_mut().zip(values) {
                 *sum += factor * value;
             }
         }
-        sums
-    })
+    }
+    product
 }
 
 #[inline(always)]
 fn transposed(patch: &Patch) -> Patch {
-    std::array::from_fn(|row| std::array::from_fn(|column| patch[column][row]))
+    let mut transposed = [[0.0; PATCH]; PATCH];
+    for (row, values) in patch.iter().enumerate() {
+        for (column, value) in values.iter().enumerate() {
+            transposed[column][row] = *value;
+        }
+    }
+    transposed
 }
 
 #[cfg(test)]
@@ -142,7 +157,7 @@ mod tests {
     fn the_way_back_leads_to_the_same_patches() {
         for count in [1, 2, 8, 32] {
             let patches = noise(count);
-            let back = Group::new(patches.iter().copied()).into_patches();
+            let back = Group::new(patches.clone()).into_patches();
             let pairs = patches.iter().flatten().flatten().zip(back.iter().flatten().flatten());
             assert!(pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max) < 1e-5, "{count}");
         }
@@ -152,9 +167,9 @@ mod tests {
     fn it_keeps_lengths_and_gathers_what_is_alike_in_one_number() {
         let patches = noise(16);
         let square = |patches: &[Patch]| patches.iter().flatten().flatten().map(|v| v * v).sum::<f32>();
-        let group = Group::new(patches.iter().copied());
+        let group = Group::new(patches.clone());
         assert!((square(&group.0) / square(&patches) - 1.0).abs() < 1e-5);
-        let flat = Group::new([[[3.0; PATCH]; PATCH]; 16].into_iter());
+        let flat = Group::new(vec![[[3.0; PATCH]; PATCH]; 16]);
         assert!((flat.0[0][0][0] - 3.0 * (16.0 * 64.0_f32).sqrt()).abs() < 1e-3);
         assert!(square(&flat.0) - flat.0[0][0][0].powi(2) < 1e-3);
     }

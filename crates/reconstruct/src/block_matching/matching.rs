@@ -17,10 +17,11 @@ impl Corner {
     /// The patch of `plane` there.
     #[inline(always)]
     pub fn patch(self, plane: &[f32], size: Size) -> Patch {
-        std::array::from_fn(|row| {
-            let first = size.index(self.x, self.y + row);
-            *plane[first..].first_chunk().expect("patches lie inside the picture")
-        })
+        let mut patch = [[0.0; PATCH]; PATCH];
+        for (row, values) in patch.iter_mut().enumerate() {
+            values.copy_from_slice(&plane[size.index(self.x, self.y + row)..][..PATCH]);
+        }
+        patch
     }
 }
 

@@ -97,14 +97,22 @@ impl Sweep<'_> {
     /// The patches of `plane` at the `found` corners after shrinkage, and the weight of each.
     #[inline(always)]
     fn shrunk(&self, plane: usize, found: &[Corner]) -> (Vec<Patch>, f32) {
-        let group_of = |from: &[Vec<f32>]| Group::new(found.iter().map(|corner| corner.patch(&from[plane], self.size)));
-        let mut group = group_of(self.noisy);
+        let mut group = Group::new(patches_at(found, &self.noisy[plane], self.size));
         let noise_left = match self.pilot {
             None => group.drop_below(THRESHOLD),
-            Some(pilot) => group.shrink_like(&group_of(pilot)),
+            Some(pilot) => group.shrink_like(&Group::new(patches_at(found, &pilot[plane], self.size))),
         };
         (group.into_patches(), 1.0 / noise_left)
     }
+}
+
+#[inline(always)]
+fn patches_at(corners: &[Corner], plane: &[f32], size: Size) -> Vec<Patch> {
+    let mut patches = Vec::with_capacity(corners.len());
+    for corner in corners {
+        patches.push(corner.patch(plane, size));
+    }
+    patches
 }
 
 /// One row of groups, and what it adds to rows `top` and below.
