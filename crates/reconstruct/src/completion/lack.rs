@@ -24,6 +24,8 @@ impl Lack {
     pub const POSITION: Self = Self { what: "position", instead: "depth and the place on the screen were used" };
     /// Neither position nor depth.
     pub const PLACE: Self = Self { what: "position or depth", instead: "the place on the screen was used" };
+    /// Nothing that tells textures.
+    pub const ALBEDO: Self = Self { what: "albedo", instead: "the picture, freed of noise, tells textures" };
     /// No feature at all.
     pub const FEATURES: Self =
         Self { what: "features", instead: "the colour guides itself; albedo and normal would help most" };

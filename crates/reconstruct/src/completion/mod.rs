@@ -75,15 +75,16 @@ pub fn complete<'a>(
 }
 
 impl Completed<'_> {
-    /// Where there is no feature, the picture itself becomes one, freed of noise.
+    /// Where no albedo tells textures, the picture itself does, freed of noise.
     fn add_picture(&mut self, settings: &CompletionSettings) {
-        if !self.stack.features.is_empty() || settings.picture_noise == 0.0 {
+        if self.stack.feature(FeatureRole::Albedo).is_some() || settings.picture_noise == 0.0 {
             return;
         }
         let Some(mean) = without_noise(&self.stack.beauty(), settings.picture_noise) else { return };
+        self.lacks.push(if self.stack.features.is_empty() { Lack::FEATURES } else { Lack::ALBEDO });
+        let after_position = usize::from(self.stack.feature(FeatureRole::Position).is_some());
         let estimate = Estimate { mean, noise: Noise::Unknown };
-        self.lacks.push(Lack::FEATURES);
-        self.stack.to_mut().features.push(Feature { role: FeatureRole::Albedo, estimate });
+        self.stack.to_mut().features.insert(after_position, Feature { role: FeatureRole::Albedo, estimate });
     }
 
     fn add_position(&mut self, settings: &CompletionSettings) -> Result<(), PrefilterError> {

@@ -58,18 +58,22 @@ fn every_lack_is_told() {
         .features
         .push(Feature { role: FeatureRole::Depth, estimate: Estimate { mean: depth, noise: Noise::Unknown } });
     let completed = completed(&colour);
-    assert_eq!(completed.lacks, [Lack::POSITION, Lack::HALVES]);
-    assert!(completed.lacks[1].to_string().starts_with("no buckets"));
+    assert_eq!(completed.lacks, [Lack::ALBEDO, Lack::POSITION, Lack::HALVES]);
+    assert!(completed.lacks[2].to_string().starts_with("no buckets"));
     assert_eq!(completed.stack.features[0].role, FeatureRole::Position);
 }
 
 #[test]
-fn colour_alone_becomes_its_own_feature_unless_it_is_left_out() {
+fn the_picture_is_a_feature_where_there_is_no_albedo_unless_it_is_left_out() {
     let colour = poor(stack_of(&walls(SIZE), 2), &[]);
     let roles = |settings: &CompletionSettings| -> Vec<FeatureRole> {
         complete(&colour, settings, &Silent).unwrap().stack.features.iter().map(|feature| feature.role).collect()
     };
     assert_eq!(roles(&CompletionSettings::DEFAULT), [FeatureRole::Position, FeatureRole::Albedo]);
+    let normal = poor(stack_of(&walls(SIZE), 2), &[FeatureRole::Normal]);
+    let completed = complete(&normal, &CompletionSettings::DEFAULT, &Silent).unwrap();
+    let roles_of_normal: Vec<FeatureRole> = completed.stack.features.iter().map(|feature| feature.role).collect();
+    assert_eq!(roles_of_normal, [FeatureRole::Position, FeatureRole::Albedo, FeatureRole::Normal]);
     let without = CompletionSettings { picture_noise: 0.0, ..CompletionSettings::DEFAULT };
     assert_eq!(roles(&without), [FeatureRole::Position]);
     assert_eq!(complete(&colour, &without, &Silent).unwrap().lacks, [Lack::FEATURES, Lack::NOISE]);
