@@ -15,9 +15,6 @@ use stack::Size;
 use group::{Group, PATCH, Patch};
 use matching::{Corner, alike};
 
-/// Side of a patch, in pixels.
-pub const SIDE: usize = PATCH;
-
 /// Pixels from one group's first patch to the next one's.
 const STEP: usize = 4;
 
@@ -34,10 +31,10 @@ const SECOND_GROUP: usize = 32;
 /// Rows of groups per thread whose sums are held before they are added to the picture, in order.
 const WAVE: usize = 4;
 
-/// `noisy` planes, with white noise of variance 1 each, without most of it. Patches are compared in the first plane.
+/// `noisy` planes, finite, with white noise of variance 1 each, without most of it. Patches are compared in the first plane.
 /// `None` where the picture is smaller than a patch.
 pub fn block_matched(noisy: &[Vec<f32>], size: Size) -> Option<Vec<Vec<f32>>> {
-    if size.width.min(size.height) < SIDE {
+    if size.width.min(size.height) < PATCH {
         return None;
     }
     let first = Sweep { size, noisy, pilot: None }.run();
@@ -83,12 +80,8 @@ impl Sweep<'_> {
             for (plane, sums) in band.sums.iter_mut().enumerate() {
                 let (patches, weight) = self.shrunk(plane, &found);
                 for (corner, patch) in found.iter().zip(patches) {
-                    add_patch(
-                        &patch,
-                        weight,
-                        &mut sums[(corner.y - band.top) * self.size.width + corner.x..],
-                        self.size,
-                    );
+                    let first = (corner.y - band.top) * self.size.width + corner.x;
+                    add_patch(&patch, weight, &mut sums[first..], self.size.width);
                 }
             }
         }
@@ -128,7 +121,7 @@ impl pulp::NullaryFnOnce for Row<'_> {
     fn call(self) -> Band {
         let Self { sweep: Sweep { size, noisy, .. }, y } = self;
         let top = y.saturating_sub(REACH);
-        let rows = (y + REACH + SIDE).min(size.height) - top;
+        let rows = (y + REACH + PATCH).min(size.height) - top;
         let mut band = Band { top, sums: vec![vec![[0.0; 2]; rows * size.width]; noisy.len()] };
         self.sweep.add_row(y, &mut band);
         band
@@ -141,10 +134,11 @@ struct Band {
     sums: Vec<Vec<[f32; 2]>>,
 }
 
+/// Adds `patch` to `sums`, which begin at its upper left pixel and have `width` columns.
 #[inline(always)]
-fn add_patch(patch: &Patch, weight: f32, sums: &mut [[f32; 2]], size: Size) {
-    for (row, values) in patch.iter().enumerate() {
-        for (sum, value) in sums[row * size.width..][..SIDE].iter_mut().zip(values) {
+fn add_patch(patch: &Patch, weight: f32, sums: &mut [[f32; 2]], width: usize) {
+    for (sums, values) in sums.chunks_mut(width).zip(patch) {
+        for (sum, value) in sums.iter_mut().zip(values) {
             *sum = [sum[0] + weight * value, sum[1] + weight];
         }
     }
@@ -152,7 +146,7 @@ fn add_patch(patch: &Patch, weight: f32, sums: &mut [[f32; 2]], size: Size) {
 
 /// First rows (or columns) of the groups' first patches, so that they cover `length` pixels.
 fn corners(length: usize) -> Vec<usize> {
-    let last = length - SIDE;
+    let last = length - PATCH;
     (0..last).step_by(STEP).chain([last]).collect()
 }
 
