@@ -23,6 +23,9 @@ pub struct Mended {
     pub count: usize,
 }
 
+/// Light above this is not worked with: the square of its noise is no number any more.
+const BRIGHTEST: f32 = 1e18;
+
 /// Adds `count` things of a kind to a list, unless there are none.
 pub fn note(list: &mut Vec<Mended>, what: String, count: usize) {
     match list.iter_mut().find(|mended| mended.what == what) {
@@ -37,7 +40,7 @@ pub fn mend_role(role: Role, images: &mut [&mut Image], list: &mut Vec<Mended>) 
     match role {
         Role::Colour | Role::Emission => {
             smooth_over(role, images, list);
-            clamp(role, images, (0.0, f32::INFINITY), list);
+            clamp(role, images, (0.0, BRIGHTEST), list);
         }
         Role::Feature(FeatureRole::Albedo | FeatureRole::Visibility | FeatureRole::Proximity | FeatureRole::Lit) => {
             smooth_over(role, images, list);
@@ -84,6 +87,7 @@ fn clamp(role: Role, images: &mut [&mut Image], (least, most): (f32, f32), list:
         }
     }
     note(list, format!("values of {} below 0 (set to 0)", role.name()), below);
+    let most = if most == BRIGHTEST { format!("{most:e}") } else { most.to_string() };
     note(list, format!("values of {} above {most} (set to {most})", role.name()), above);
 }
 

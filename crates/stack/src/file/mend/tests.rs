@@ -102,3 +102,12 @@ fn camera_space_is_known_by_its_normals_and_left() {
         }
     }
 }
+
+#[test]
+fn light_whose_square_is_no_number_is_cut_and_counted() {
+    let mut image = Image::from_channels(Size::new(3, 1), vec![vec![1.0, 2e25, 1e18]]);
+    let mut list = Vec::new();
+    mend_role(Role::Colour, &mut [&mut image], &mut list);
+    assert_eq!(image.channels()[0], [1.0, 1e18, 1e18]);
+    assert_eq!(list, [Mended { what: "values of colour above 1e18 (set to 1e18)".into(), count: 1 }]);
+}
