@@ -36,6 +36,13 @@ pub fn exposure(components: &[Component], settings: &LightSettings) -> f32 {
     (wanted - brightness).round().clamp(-LARGEST, LARGEST).exp2() as f32
 }
 
+/// The median of the pixels' brightness.
+pub fn median_brightness(image: &Image) -> f32 {
+    let mut values: Vec<f32> = (0..image.pixels()).map(|pixel| image.mean_at(pixel)).collect();
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f32::total_cmp).1
+}
+
 /// Mean brightness of every block of an image, as far as it lies inside.
 fn block_means(image: &Image) -> Vec<f64> {
     let size = image.size();

@@ -2,8 +2,8 @@
 //!
 //! Every stage is a plain function from inputs, settings and a monitor to results. [`reconstruct`] puts those of the
 //! chosen method in a row for each component of a stack: the paper's ([`spikes`], [`prefilter`], [`regression`]),
-//! [`best`], or one of the [`rivals`]. What several of them use stands beside them ([`patch_distance`], [`nl_means`], [`block_matching`],
-//! [`collaborative`]).
+//! [`best`], or one of the [`rivals`]. What several of them use stands beside them ([`patch_distance`], [`nl_means`],
+//! [`block_matching`], [`collaborative`]).
 
 pub mod adaptive;
 mod bands;

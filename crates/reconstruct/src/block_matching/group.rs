@@ -11,6 +11,9 @@ pub const PATCH: usize = LANES;
 /// The pixels of a patch, row by row.
 pub type Patch = [Lanes; PATCH];
 
+/// A group that says nothing weighs much, but not all.
+const LEAST_LEFT: f32 = 1e-3;
+
 /// The orthonormal cosine transform of eight numbers (DCT-II): one row per frequency.
 static COSINES: LazyLock<Patch> = LazyLock::new(|| {
     std::array::from_fn(|frequency| {
@@ -96,9 +99,6 @@ impl Group {
         patches
     }
 }
-
-/// A group that says nothing weighs much, but not all.
-const LEAST_LEFT: f32 = 1e-3;
 
 /// Sums and differences, over √2.
 #[inline(always)]

@@ -28,7 +28,7 @@ impl Corner {
 /// The patches of `plane` nearest to that at `own`, at most `reach` away from it in each direction: as many as the
 /// greatest power of two up to `most` that there are, nearest first.
 #[inline(always)]
-pub fn alike(plane: &[f32], size: Size, own: Corner, reach: usize, most: usize, found: &mut Vec<Corner>) {
+pub fn alike(plane: &[f32], size: Size, own: Corner, reach: usize, most: usize) -> Vec<Corner> {
     let patch = own.patch(plane, size);
     let around = |at: usize, length: usize| at.saturating_sub(reach)..(at + reach + 1).min(length - PATCH + 1);
     let mut distances = Vec::with_capacity((2 * reach + 1).pow(2));
@@ -45,8 +45,7 @@ pub fn alike(plane: &[f32], size: Size, own: Corner, reach: usize, most: usize, 
     distances.select_nth_unstable_by(count - 1, nearer);
     distances.truncate(count);
     distances.sort_unstable_by(nearer);
-    found.clear();
-    found.extend(distances.into_iter().map(|(_, corner)| corner));
+    distances.into_iter().map(|(_, corner)| corner).collect()
 }
 
 #[inline(always)]

@@ -24,8 +24,10 @@ const REACH: usize = 12;
 /// Coefficients below this multiple of the noise are dropped.
 const THRESHOLD: f32 = 2.7;
 
-/// Most patches of a group: powers of two, for the Haar transform.
+/// Most patches of a group of the first sweep: a power of two, for the Haar transform.
 const FIRST_GROUP: usize = 16;
+
+/// The same in the second.
 const SECOND_GROUP: usize = 32;
 
 /// Rows of groups per thread whose sums are held before they are added to the picture, in order.
@@ -69,22 +71,25 @@ impl Sweep<'_> {
         sums.into_iter().map(|sums| sums.into_iter().map(|[sum, weight]| sum / weight).collect()).collect()
     }
 
-    /// Adds the groups of the patches with their upper border in row `y` to `band`.
+    /// What the groups of the patches with their upper border in row `y` add.
     #[inline(always)]
-    fn add_row(&self, y: usize, band: &mut Band) {
-        let compared = &self.pilot.unwrap_or(self.noisy)[0];
+    fn band(&self, y: usize) -> Band {
+        let (size, compared) = (self.size, &self.pilot.unwrap_or(self.noisy)[0]);
         let most = if self.pilot.is_some() { SECOND_GROUP } else { FIRST_GROUP };
-        let mut found = Vec::new();
-        for x in corners(self.size.width) {
-            alike(compared, self.size, Corner { x, y }, REACH, most, &mut found);
-            for (plane, sums) in band.sums.iter_mut().enumerate() {
+        let top = y.saturating_sub(REACH);
+        let rows = (y + REACH + PATCH).min(size.height) - top;
+        let mut sums = vec![vec![[0.0; 2]; rows * size.width]; self.noisy.len()];
+        for x in corners(size.width) {
+            let found = alike(compared, size, Corner { x, y }, REACH, most);
+            for (plane, sums) in sums.iter_mut().enumerate() {
                 let (patches, weight) = self.shrunk(plane, &found);
                 for (corner, patch) in found.iter().zip(patches) {
-                    let first = (corner.y - band.top) * self.size.width + corner.x;
-                    add_patch(&patch, weight, &mut sums[first..], self.size.width);
+                    let first = (corner.y - top) * size.width + corner.x;
+                    add_patch(&patch, weight, &mut sums[first..], size.width);
                 }
             }
         }
+        Band { top, sums }
     }
 
     /// The patches of `plane` at the `found` corners after shrinkage, and the weight of each.
@@ -108,7 +113,7 @@ fn patches_at(corners: &[Corner], plane: &[f32], size: Size) -> Vec<Patch> {
     patches
 }
 
-/// One row of groups, and what it adds to rows `top` and below.
+/// The groups of one row.
 struct Row<'a> {
     sweep: &'a Sweep<'a>,
     y: usize,
@@ -119,16 +124,11 @@ impl pulp::NullaryFnOnce for Row<'_> {
 
     #[inline(always)]
     fn call(self) -> Band {
-        let Self { sweep: Sweep { size, noisy, .. }, y } = self;
-        let top = y.saturating_sub(REACH);
-        let rows = (y + REACH + PATCH).min(size.height) - top;
-        let mut band = Band { top, sums: vec![vec![[0.0; 2]; rows * size.width]; noisy.len()] };
-        self.sweep.add_row(y, &mut band);
-        band
+        self.sweep.band(self.y)
     }
 }
 
-/// Weighted sums and weights of some rows, for each plane.
+/// Weighted sums and weights of rows `top` and below, for each plane.
 struct Band {
     top: usize,
     sums: Vec<Vec<[f32; 2]>>,

@@ -64,6 +64,9 @@ pub fn complete<'a>(
 ) -> Result<Completed<'a>, PrefilterError> {
     monitor.begin("completion", 1);
     let mut completed = Completed { stack: Cow::Borrowed(stack), lacks: Vec::new() };
+    if stack.features.is_empty() {
+        completed.lacks.push(Lack::FEATURES);
+    }
     completed.add_picture(settings);
     completed.measure_features(settings);
     if stack.feature(FeatureRole::Position).is_none() {
@@ -81,10 +84,17 @@ impl Completed<'_> {
             return;
         }
         let Some(mean) = without_noise(&self.stack.beauty(), settings.picture_noise) else { return };
-        self.lacks.push(if self.stack.features.is_empty() { Lack::FEATURES } else { Lack::ALBEDO });
+        self.lacks_feature(Lack::ALBEDO);
         let after_position = usize::from(self.stack.feature(FeatureRole::Position).is_some());
         let estimate = Estimate { mean, noise: Noise::Unknown };
         self.stack.to_mut().features.insert(after_position, Feature { role: FeatureRole::Albedo, estimate });
+    }
+
+    /// Tells of one feature, unless it was told that there is none.
+    fn lacks_feature(&mut self, lack: Lack) {
+        if !self.lacks.contains(&Lack::FEATURES) {
+            self.lacks.push(lack);
+        }
     }
 
     fn add_position(&mut self, settings: &CompletionSettings) -> Result<(), PrefilterError> {
@@ -98,9 +108,7 @@ impl Completed<'_> {
             }
             None => (Lack::PLACE, Estimate { mean: position_on_screen(size), noise: Noise::Unknown }),
         };
-        if !self.lacks.contains(&Lack::FEATURES) {
-            self.lacks.push(if self.stack.features.is_empty() { Lack::FEATURES } else { lack });
-        }
+        self.lacks_feature(lack);
         self.stack.to_mut().features.insert(0, Feature { role: FeatureRole::Position, estimate });
         Ok(())
     }

@@ -6,6 +6,7 @@ use stack::Image;
 use super::roughness::roughness;
 use crate::block_matching::block_matched;
 use crate::box_filter::box_mean;
+use crate::exposure::median_brightness;
 use crate::lone_light::share_like_neighbours;
 
 /// Noise of one pixel is that of this many around it in each direction, on average.
@@ -32,7 +33,7 @@ const COLOURS: [[f32; 3]; 3] = [[1.0, 1.0, 2.0 / 3.0], [1.0, 0.0, -4.0 / 3.0], [
 pub fn without_noise(picture: &Image, factor: f32) -> Option<Image> {
     let size = picture.size();
     let kept = share_like_neighbours(picture);
-    let dark = DARK * median(picture).max(1e-6);
+    let dark = DARK * median_brightness(picture).max(1e-6);
     let opponents = mixed(picture, OPPONENTS, |value, pixel| ((value * kept[pixel]).max(0.0) / dark + 1.0).ln());
     let deviations: Vec<Vec<f32>> = roughness(&opponents)
         .channels()
@@ -63,13 +64,6 @@ fn mixed(image: &Image, matrix: [[f32; 3]; 3], scale: impl Fn(f32, usize) -> f32
         matrix.map(|row| row.iter().zip(values).map(|(factor, value)| factor * value).sum())
     });
     Image::from_channels(image.size(), planes.into())
-}
-
-/// The median of brightness.
-fn median(picture: &Image) -> f32 {
-    let mut values: Vec<f32> = (0..picture.pixels()).map(|pixel| picture.mean_at(pixel)).collect();
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f32::total_cmp).1
 }
 
 #[cfg(test)]

@@ -66,16 +66,15 @@ fn every_lack_is_told() {
 #[test]
 fn the_picture_is_a_feature_where_there_is_no_albedo_unless_it_is_left_out() {
     let colour = poor(stack_of(&walls(SIZE), 2), &[]);
-    let roles = |settings: &CompletionSettings| -> Vec<FeatureRole> {
-        complete(&colour, settings, &Silent).unwrap().stack.features.iter().map(|feature| feature.role).collect()
+    let roles = |stack: &FeatureStack, settings: &CompletionSettings| -> Vec<FeatureRole> {
+        complete(stack, settings, &Silent).unwrap().stack.features.iter().map(|feature| feature.role).collect()
     };
-    assert_eq!(roles(&CompletionSettings::DEFAULT), [FeatureRole::Position, FeatureRole::Albedo]);
+    assert_eq!(roles(&colour, &CompletionSettings::DEFAULT), [FeatureRole::Position, FeatureRole::Albedo]);
     let normal = poor(stack_of(&walls(SIZE), 2), &[FeatureRole::Normal]);
-    let completed = complete(&normal, &CompletionSettings::DEFAULT, &Silent).unwrap();
-    let roles_of_normal: Vec<FeatureRole> = completed.stack.features.iter().map(|feature| feature.role).collect();
-    assert_eq!(roles_of_normal, [FeatureRole::Position, FeatureRole::Albedo, FeatureRole::Normal]);
+    let with_normal = roles(&normal, &CompletionSettings::DEFAULT);
+    assert_eq!(with_normal, [FeatureRole::Position, FeatureRole::Albedo, FeatureRole::Normal]);
     let without = CompletionSettings { picture_noise: 0.0, ..CompletionSettings::DEFAULT };
-    assert_eq!(roles(&without), [FeatureRole::Position]);
+    assert_eq!(roles(&colour, &without), [FeatureRole::Position]);
     assert_eq!(complete(&colour, &without, &Silent).unwrap().lacks, [Lack::FEATURES, Lack::NOISE]);
 }
 

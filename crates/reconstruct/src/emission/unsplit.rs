@@ -4,6 +4,8 @@ use std::borrow::Cow;
 
 use stack::{Component, ComponentRole, Estimate, Feature, FeatureRole, FeatureStack, Image, Monitor, Noise};
 
+use crate::exposure::median_brightness;
+
 /// A lamp is at least this many times as bright as the median pixel …
 const BRIGHT: f32 = 5.0;
 
@@ -31,7 +33,7 @@ pub fn with_emission_apart<'a>(stack: &'a FeatureStack, monitor: &dyn Monitor) -
 
 /// Pixels that look like directly seen emission.
 fn emissive(buckets: &[Image], features: &[Feature]) -> Vec<usize> {
-    let median = median_luminance(buckets);
+    let median = median_brightness(&buckets[0]);
     let missed = misses(features);
     let looks_emissive = |pixel: &usize| {
         let luminance: Vec<f32> = buckets.iter().map(|bucket| bucket.mean_at(*pixel)).collect();
@@ -41,12 +43,6 @@ fn emissive(buckets: &[Image], features: &[Feature]) -> Vec<usize> {
                 || is_lamp(&luminance, median))
     };
     (0..buckets[0].pixels()).filter(looks_emissive).collect()
-}
-
-fn median_luminance(buckets: &[Image]) -> f32 {
-    let mut luminance: Vec<f32> = (0..buckets[0].pixels()).map(|pixel| buckets[0].mean_at(pixel)).collect();
-    luminance.sort_by(f32::total_cmp);
-    luminance[luminance.len() / 2]
 }
 
 /// Where every bucket of the normal is zero, when there is a normal.

@@ -87,7 +87,9 @@ fn clamp(role: Role, images: &mut [&mut Image], (least, most): (f32, f32), list:
         }
     }
     note(list, format!("values of {} below 0 (set to 0)", role.name()), below);
-    let most = if most == BRIGHTEST { format!("{most:e}") } else { most.to_string() };
+    // Debug writes large numbers with an exponent, and whole ones as 1.0.
+    let most = format!("{most:?}");
+    let most = most.trim_end_matches(".0");
     note(list, format!("values of {} above {most} (set to {most})", role.name()), above);
 }
 
