@@ -22,6 +22,7 @@ pub mod guide;
 mod indirect;
 pub mod ln;
 mod lone_light;
+mod marks;
 mod method;
 pub mod metrics;
 pub mod network;

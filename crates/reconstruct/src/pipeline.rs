@@ -42,7 +42,7 @@ pub fn reconstruct_with(
     extras: Extras,
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
-    let Completed { stack, lacks } = complete(stack, &settings.completion, monitor)?;
+    let Completed { stack, lacks } = complete(stack, &settings.completion_for_method(), monitor)?;
     let rebuilt = if settings.method.is_collaborative() {
         collaborative(&stack, settings, chooser(settings)?.as_ref(), extras, monitor)?
     } else if extras.passes.is_empty() {
@@ -83,7 +83,7 @@ pub fn reconstruct_freeing(
     if !settings.method.is_collaborative() {
         return reconstruct_with(stack, settings, extras, monitor);
     }
-    let Completed { stack: completed, lacks } = complete(stack, &settings.completion, monitor)?;
+    let Completed { stack: completed, lacks } = complete(stack, &settings.completion_for_method(), monitor)?;
     let made_up = match completed {
         Cow::Borrowed(_) => None,
         Cow::Owned(completed) => Some(completed),

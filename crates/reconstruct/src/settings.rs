@@ -39,3 +39,10 @@ stack::knob_groups! {
         guide: GuideSettings,
     }
 }
+
+impl Settings {
+    /// How a stack is completed for the method: others than ours are as published, with the features that there are.
+    pub fn completion_for_method(&self) -> CompletionSettings {
+        CompletionSettings { mirrors: self.completion.mirrors && self.method.is_collaborative(), ..self.completion }
+    }
+}

@@ -23,6 +23,11 @@ impl Corner {
         }
         patch
     }
+
+    /// Whether one of the patch's pixels is marked.
+    pub fn holds_any(self, marks: &[bool], size: Size) -> bool {
+        (self.y..self.y + PATCH).any(|y| marks[size.index(self.x, y)..][..PATCH].contains(&true))
+    }
 }
 
 /// The patches of `plane` nearest to that at `own`, at most `reach` away from it in each direction: as many as the

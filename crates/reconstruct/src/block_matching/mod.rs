@@ -12,6 +12,7 @@ mod matching;
 use rayon::prelude::*;
 use stack::Size;
 
+use crate::marks::grown;
 use group::{Group, PATCH, Patch};
 use matching::{Corner, alike};
 
@@ -33,14 +34,16 @@ const SECOND_GROUP: usize = 32;
 /// Rows of groups per thread whose sums are held before they are added to the picture, in order.
 const WAVE: usize = 4;
 
-/// `noisy` planes, finite, with white noise of variance 1 each, without most of it. Patches are compared in the first plane.
-/// `None` where the picture is smaller than a patch.
-pub fn block_matched(noisy: &[Vec<f32>], size: Size) -> Option<Vec<Vec<f32>>> {
+/// `noisy` planes, finite, with white noise of variance 1 each, without most of it, at least where they are `wanted`. Patches
+/// are compared in the first plane. `None` where the picture is smaller than a patch.
+pub fn block_matched(noisy: &[Vec<f32>], wanted: &[bool], size: Size) -> Option<Vec<Vec<f32>>> {
     if size.width.min(size.height) < PATCH {
         return None;
     }
-    let first = Sweep { size, noisy, pilot: None }.run();
-    Some(Sweep { size, noisy, pilot: Some(&first) }.run())
+    // The second sweep looks at patches that hold no pixel that is wanted.
+    let around = grown(wanted, size, REACH + PATCH);
+    let first = Sweep { size, noisy, wanted: &around, pilot: None }.run();
+    Some(Sweep { size, noisy, wanted, pilot: Some(&first) }.run())
 }
 
 /// Once over the picture.
@@ -48,6 +51,8 @@ pub fn block_matched(noisy: &[Vec<f32>], size: Size) -> Option<Vec<Vec<f32>>> {
 struct Sweep<'a> {
     size: Size,
     noisy: &'a [Vec<f32>],
+    /// Pixels that groups are made for; others may stay as they are.
+    wanted: &'a [bool],
     /// What tells the power of the picture, if anything does.
     pilot: Option<&'a [Vec<f32>]>,
 }
@@ -68,7 +73,8 @@ impl Sweep<'_> {
                 }
             }
         }
-        sums.into_iter().map(|sums| sums.into_iter().map(|[sum, weight]| sum / weight).collect()).collect()
+        let mean = |([sum, weight], noisy): ([f32; 2], &f32)| if weight > 0.0 { sum / weight } else { *noisy };
+        sums.into_iter().zip(self.noisy).map(|(sums, noisy)| sums.into_iter().zip(noisy).map(mean).collect()).collect()
     }
 
     /// What the groups of the patches with their upper border in row `y` add.
@@ -80,7 +86,11 @@ impl Sweep<'_> {
         let rows = (y + REACH + PATCH).min(size.height) - top;
         let mut sums = vec![vec![[0.0; 2]; rows * size.width]; self.noisy.len()];
         for x in corners(size.width) {
-            let found = alike(compared, size, Corner { x, y }, REACH, most);
+            let own = Corner { x, y };
+            if !own.holds_any(self.wanted, size) {
+                continue;
+            }
+            let found = alike(compared, size, own, REACH, most);
             for (plane, sums) in sums.iter_mut().enumerate() {
                 let (patches, weight) = self.shrunk(plane, &found);
                 for (corner, patch) in found.iter().zip(patches) {

@@ -10,7 +10,7 @@ fn error(clean: impl Fn(usize, usize) -> f32) -> f32 {
     let clean: Vec<f32> = (0..SIZE.pixels()).map(|i| clean(i % SIZE.width, i / SIZE.width)).collect();
     let mut noise = TestNoise(3);
     let noisy: Vec<f32> = clean.iter().map(|value| value + noise.normal() as f32).collect();
-    let found = block_matched(&[noisy], SIZE).unwrap();
+    let found = block_matched(&[noisy], &[true; SIZE.pixels()], SIZE).unwrap();
     found[0].iter().zip(&clean).map(|(a, b)| (a - b).powi(2)).sum::<f32>() / SIZE.pixels() as f32
 }
 
@@ -32,11 +32,26 @@ fn edges_and_repeated_patterns_are_kept() {
 fn pictures_down_to_one_patch_and_no_smaller() {
     let of = |width: usize, height: usize| {
         let size = Size::new(width, height);
-        block_matched(&[TestNoise(4).normals(size.pixels(), 2.0, 1.0)], size)
+        block_matched(&[TestNoise(4).normals(size.pixels(), 2.0, 1.0)], &vec![true; size.pixels()], size)
     };
     assert!(of(7, 30).is_none() && of(30, 1).is_none());
     for [width, height] in [[8, 8], [9, 8], [8, 40], [23, 11]] {
         let found = of(width, height).unwrap();
         assert!(found[0].len() == width * height && found[0].iter().all(|v| v.is_finite()));
+    }
+}
+
+#[test]
+fn far_from_what_is_wanted_noise_stays() {
+    let noisy = TestNoise(5).normals(SIZE.pixels(), 2.0, 1.0);
+    let wanted: Vec<bool> = (0..SIZE.pixels()).map(|i| i % SIZE.width < 8).collect();
+    let found = block_matched(std::slice::from_ref(&noisy), &wanted, SIZE).unwrap().remove(0);
+    for (i, value) in found.iter().enumerate() {
+        match i % SIZE.width {
+            0..8 => assert!((value - 2.0).abs() < 0.6, "{value}"),
+            // A group's patches are at most that far from its first.
+            x if x > 8 + PATCH + REACH => assert_eq!(*value, noisy[i]),
+            _ => {}
+        }
     }
 }

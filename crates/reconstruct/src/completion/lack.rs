@@ -26,6 +26,11 @@ impl Lack {
     pub const PLACE: Self = Self { what: "position or depth", instead: "the place on the screen was used" };
     /// Nothing that tells textures.
     pub const ALBEDO: Self = Self { what: "albedo", instead: "the picture, freed of noise, tells textures" };
+    /// Albedo that stops at mirrors.
+    pub const MIRRORED: Self = Self {
+        what: "albedo on mirrors, glass or metal",
+        instead: "the picture, freed of noise, tells what they show",
+    };
     /// No feature at all.
     pub const FEATURES: Self =
         Self { what: "features", instead: "the colour guides itself; albedo and normal would help most" };

@@ -7,6 +7,7 @@
 
 mod lack;
 mod local_fit;
+mod mirrors;
 mod noise;
 mod picture;
 mod place;
@@ -18,6 +19,7 @@ use stack::{Component, Estimate, Feature, FeatureRole, FeatureStack, Image, Moni
 
 use crate::prefilter::{PrefilterError, check};
 pub use lack::Lack;
+use mirrors::surfaces_without_texture;
 use noise::measured_variance;
 use picture::without_noise;
 pub(crate) use place::has_depth;
@@ -39,6 +41,9 @@ stack::knobs! {
         colour_roughness: f32 = 0.8, 0.0..=1e6;
         /// Multiple of the measured noise that is taken out of a picture which stands in for features; 0 leaves it out.
         picture_noise: f32 = 1.2, 0.0..=100.0;
+        /// Whether such a picture also stands in for albedo that says nothing, on mirrors, glass and polished metal, where
+        /// features stop at them.
+        mirrors: bool = true, ..;
         /// Multiple of a feature's roughness that is taken for its variance.
         feature_roughness: f32 = 0.5, 0.0..=1000.0;
     }
@@ -68,6 +73,7 @@ pub fn complete<'a>(
         completed.lacks.push(Lack::FEATURES);
     }
     completed.add_picture(settings);
+    completed.show_mirrored(settings);
     completed.measure_features(settings);
     if stack.feature(FeatureRole::Position).is_none() {
         completed.add_position(settings)?;
@@ -83,11 +89,40 @@ impl Completed<'_> {
         if self.stack.feature(FeatureRole::Albedo).is_some() || settings.picture_noise == 0.0 {
             return;
         }
-        let Some(mean) = without_noise(&self.stack.beauty(), settings.picture_noise) else { return };
+        let everywhere = vec![true; self.stack.size().pixels()];
+        let Some(mean) = without_noise(&self.stack.beauty(), &everywhere, settings.picture_noise) else { return };
         self.lacks_feature(Lack::ALBEDO);
         let after_position = usize::from(self.stack.feature(FeatureRole::Position).is_some());
         let estimate = Estimate { mean, noise: Noise::Unknown };
         self.stack.to_mut().features.insert(after_position, Feature { role: FeatureRole::Albedo, estimate });
+    }
+
+    /// Where albedo says nothing because a surface mirrors or refracts, the picture does, freed of noise. A renderer that tells
+    /// of next surfaces has followed the light to where albedo does.
+    fn show_mirrored(&mut self, settings: &CompletionSettings) {
+        let follows = self.stack.features.iter().any(|feature| feature.role.is_of_next_surface());
+        if follows || !settings.mirrors || settings.picture_noise == 0.0 || self.lacks.contains(&Lack::ALBEDO) {
+            return;
+        }
+        let mean = |role| self.stack.feature(role).map(|feature| &feature.estimate.mean);
+        let (Some(albedo), Some(normal)) = (mean(FeatureRole::Albedo), mean(FeatureRole::Normal)) else { return };
+        let marks = surfaces_without_texture(albedo, normal);
+        if !marks.contains(&true) {
+            return;
+        }
+        let Some(picture) = without_noise(&self.stack.beauty(), &marks, settings.picture_noise) else { return };
+        let noise = measured_roughness(&picture, settings);
+        let stand_in = Estimate { mean: picture, noise };
+        let stack = self.stack.to_mut();
+        let albedo = stack.features.iter_mut().find(|feature| feature.role == FeatureRole::Albedo);
+        let albedo = &mut albedo.expect("its mean was looked at").estimate;
+        let variance = albedo.variance_of_mean(&stack.samples);
+        replace(&mut albedo.mean, &stand_in.mean, &marks);
+        if let (Some(mut variance), Noise::VarianceOfMean(other)) = (variance, &stand_in.noise) {
+            replace(&mut variance, other, &marks);
+            albedo.noise = Noise::VarianceOfMean(variance);
+        }
+        self.lacks.push(Lack::MIRRORED);
     }
 
     /// Tells of one feature, unless it was told that there is none.
@@ -140,6 +175,15 @@ impl Completed<'_> {
             self.lacks.push(Lack::HALVES);
         }
         Ok(())
+    }
+}
+
+/// Gives `image` the values of `other` where there are `marks`.
+fn replace(image: &mut Image, other: &Image, marks: &[bool]) {
+    for (plane, other) in image.channels_mut().iter_mut().zip(other.channels()) {
+        for (value, (other, _)) in plane.iter_mut().zip(other.iter().zip(marks)).filter(|(_, (_, mark))| **mark) {
+            *value = *other;
+        }
     }
 }
 

@@ -1,4 +1,4 @@
-//! The picture itself as a feature, where there is no other.
+//! The picture itself as a feature, where no other tells textures.
 
 use rayon::prelude::*;
 use stack::Image;
@@ -28,9 +28,9 @@ const OPPONENTS: [[f32; 3]; 3] = [[1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0], [0.5, 0.0, 
 const COLOURS: [[f32; 3]; 3] = [[1.0, 1.0, 2.0 / 3.0], [1.0, 0.0, -4.0 / 3.0], [1.0, -1.0, 2.0 / 3.0]];
 
 /// The logarithm of `picture`, 0 in the dark, freed of `factor` times the noise that its roughness tells. Lone light is cut
-/// first, and noise is made even by dividing by what it is around, because patches are compared as if it were.
-/// `None` where the picture is smaller than a patch.
-pub fn without_noise(picture: &Image, factor: f32) -> Option<Image> {
+/// first, and noise is made even by dividing by what it is around, because patches are compared as if it were. Pixels that are
+/// not `wanted` may keep their noise. `None` where the picture is smaller than a patch.
+pub fn without_noise(picture: &Image, wanted: &[bool], factor: f32) -> Option<Image> {
     let size = picture.size();
     let kept = share_like_neighbours(picture);
     let dark = DARK * median_brightness(picture).max(1e-6);
@@ -44,7 +44,7 @@ pub fn without_noise(picture: &Image, factor: f32) -> Option<Image> {
         })
         .collect();
     let even: Vec<Vec<f32>> = opponents.channels().iter().zip(&deviations).map(|(y, d)| ratio(y, d)).collect();
-    let mut clean = block_matched(&even, size)?;
+    let mut clean = block_matched(&even, wanted, size)?;
     for (plane, deviations) in clean.iter_mut().zip(&deviations) {
         plane.iter_mut().zip(deviations).for_each(|(value, deviation)| *value *= deviation);
     }
@@ -74,6 +74,7 @@ mod tests {
     use crate::test_noise::TestNoise;
 
     const SIZE: Size = Size::new(48, 48);
+    const ALL: [bool; SIZE.pixels()] = [true; SIZE.pixels()];
 
     /// Deviation of green from its mean over the right wall's inside, and the difference of both walls' means.
     fn walls(picture: &Image) -> [f32; 2] {
@@ -95,8 +96,8 @@ mod tests {
         };
         let mut picture = Image::from_channels(SIZE, vec![plane(), plane(), plane()]);
         picture.channels_mut().iter_mut().for_each(|plane| plane[SIZE.index(36, 20)] = 500.0);
-        let [left, difference] = walls(&without_noise(&picture, 1.2).unwrap());
-        let [noisy, _] = walls(&without_noise(&picture, 0.01).unwrap());
+        let [left, difference] = walls(&without_noise(&picture, &ALL, 1.2).unwrap());
+        let [noisy, _] = walls(&without_noise(&picture, &ALL, 0.01).unwrap());
         assert!(left < 0.2 * noisy, "{left} of {noisy}");
         let expected = ((2.0 / 0.125_f32 + 1.0).ln() - (0.5 / 0.125_f32 + 1.0).ln()) / RANGE;
         assert!((difference / expected - 1.0).abs() < 0.1, "{difference} for {expected}");
@@ -104,9 +105,9 @@ mod tests {
 
     #[test]
     fn black_pictures_are_black_and_small_ones_have_none() {
-        let black = without_noise(&Image::zeros(SIZE, 3), 1.2).unwrap();
+        let black = without_noise(&Image::zeros(SIZE, 3), &ALL, 1.2).unwrap();
         assert!(black.channels().iter().flatten().all(|v| *v == 0.0));
-        assert!(without_noise(&Image::zeros(Size::new(7, 48), 3), 1.2).is_none());
+        assert!(without_noise(&Image::zeros(Size::new(7, 48), 3), &ALL[..7 * 48], 1.2).is_none());
     }
 
     #[test]

@@ -78,6 +78,37 @@ fn the_picture_is_a_feature_where_there_is_no_albedo_unless_it_is_left_out() {
     assert_eq!(complete(&colour, &without, &Silent).unwrap().lacks, [Lack::FEATURES, Lack::NOISE]);
 }
 
+#[test]
+fn the_picture_stands_in_for_albedo_on_mirrors_only() {
+    let mut stack = stack_of(&walls(SIZE), 2);
+    let index = |role| stack.features.iter().position(|feature| feature.role == role).unwrap();
+    let (albedo, normal) = (index(FeatureRole::Albedo), index(FeatureRole::Normal));
+    let mirror = |pixel: usize| (10..20).contains(&(pixel % SIZE.width)) && pixel / SIZE.width < 16;
+    for (feature, of_mirror) in [(albedo, 0.0), (normal, 1.0)] {
+        for plane in stack.features[feature].estimate.mean.channels_mut() {
+            plane.iter_mut().enumerate().filter(|(pixel, _)| mirror(*pixel)).for_each(|(_, v)| *v = of_mirror);
+        }
+    }
+    let before = stack.features[albedo].estimate.mean.clone();
+    let shown = completed(&stack);
+    assert!(shown.lacks.contains(&Lack::MIRRORED));
+    let after = &shown.stack.feature(FeatureRole::Albedo).unwrap().estimate;
+    for pixel in 0..SIZE.pixels() {
+        assert_eq!(after.mean.rgb(pixel) != before.rgb(pixel), mirror(pixel), "{pixel}");
+    }
+    assert!(matches!(after.noise, Noise::VarianceOfMean(_)));
+
+    let left_out = CompletionSettings { mirrors: false, ..CompletionSettings::DEFAULT };
+    let kept = |stack: &FeatureStack, settings| {
+        let completed = complete(stack, settings, &Silent).unwrap();
+        completed.stack.feature(FeatureRole::Albedo).unwrap().estimate.mean == before
+    };
+    assert!(kept(&stack, &left_out));
+    let lit = Estimate { mean: Image::zeros(SIZE, 1), noise: Noise::Unknown };
+    stack.features.push(Feature { role: FeatureRole::Lit, estimate: lit });
+    assert!(kept(&stack, &CompletionSettings::DEFAULT), "features follow the light there");
+}
+
 /// Mean measured variance over the true one in both walls.
 fn ratios(clean: &Image, deviation: f32, features: &[FeatureRole]) -> [f32; 2] {
     let mut stack = stack_of(clean, 3);

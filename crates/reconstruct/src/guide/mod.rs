@@ -135,7 +135,7 @@ impl Hearing {
         check_guide(guide, stack.size())?;
         monitor.begin("guide", 1);
         // What was made up has been told when the picture was rebuilt.
-        let completed = complete(stack, &settings.completion, &Silent)?;
+        let completed = complete(stack, &settings.completion_for_method(), &Silent)?;
         let evidence = Evidence::new(&completed.stack, &rebuilt.picture, &settings.best, &Within(monitor))?;
         let guide = sound(guide, &rebuilt.picture);
         let moments = Moments::new(&evidence, rebuilt, &guide);
