@@ -1,16 +1,15 @@
 //! Pixels that stick out of their neighbours, in a picture that has no buckets to tell a firefly by.
 
-use rayon::prelude::*;
 use stack::{Image, Size};
 
-/// A pixel is cut where it exceeds this multiple of what its neighbours reach …
+use crate::eight::{LANES, Lanes};
+use crate::per_pixel::{ByEight, Pixels, plane, planes_by_eight};
+
+/// A pixel is cut where it exceeds this multiple of what its neighbours reach: the second largest of 24 …
 const FACTOR: f32 = 2.0;
 
-/// … which is this quantile of them, the second largest of 24 …
-const QUANTILE: f32 = 0.97;
-
 /// … within this many pixels.
-const RADIUS: usize = 2;
+const RADIUS: isize = 2;
 
 /// Least luminance that anything is cut at.
 const LEAST_CAP: f32 = 1e-4;
@@ -18,30 +17,44 @@ const LEAST_CAP: f32 = 1e-4;
 /// Share of every pixel's light in `image` that its neighbours account for: 1, or less where it alone is bright.
 pub fn share_like_neighbours(image: &Image) -> Vec<f32> {
     let size = image.size();
-    let luminance: Vec<f32> = (0..size.pixels()).map(|pixel| image.mean_at(pixel).max(0.0)).collect();
-    (0..size.pixels())
-        .into_par_iter()
-        .map(|pixel| (cap(&luminance, size, pixel) / luminance[pixel].max(1e-9)).min(1.0))
-        .collect()
+    let luminance = plane(size.pixels(), |pixel| image.mean_at(pixel).max(0.0));
+    let [shares] = planes_by_eight(size.pixels(), &Shares { luminance: &luminance, size });
+    shares
 }
 
-/// Luminance above which a pixel is cut.
-fn cap(luminance: &[f32], size: Size, pixel: usize) -> f32 {
-    let (x, y) = (pixel % size.width, pixel / size.width);
-    let mut around = Vec::with_capacity((2 * RADIUS + 1).pow(2));
-    for row in y.saturating_sub(RADIUS)..(y + RADIUS + 1).min(size.height) {
-        for column in x.saturating_sub(RADIUS)..(x + RADIUS + 1).min(size.width) {
-            if [column, row] != [x, y] {
-                around.push(luminance[size.index(column, row)]);
+struct Shares<'a> {
+    luminance: &'a [f32],
+    size: Size,
+}
+
+impl ByEight<1> for Shares<'_> {
+    #[inline(always)]
+    fn numbers(&self, pixels: Pixels) -> [Lanes; 1] {
+        let (mut largest, mut second) = ([f32::NEG_INFINITY; LANES], [f32::NEG_INFINITY; LANES]);
+        for dy in -RADIUS..=RADIUS {
+            for dx in -RADIUS..=RADIUS {
+                if [dx, dy] == [0, 0] {
+                    continue;
+                }
+                let near = pixels.moved(dy * self.size.width as isize + dx, self.luminance);
+                let inside = pixels.inside(self.size, [dx, dy]);
+                for lane in 0..LANES {
+                    let near = if inside[lane] > 0.0 { near[lane] } else { f32::NEG_INFINITY };
+                    second[lane] = second[lane].max(near.min(largest[lane]));
+                    largest[lane] = largest[lane].max(near);
+                }
             }
         }
+        let own = pixels.of(self.luminance);
+        let mut shares = [0.0; LANES];
+        for lane in 0..LANES {
+            // A pixel has no neighbour, one, or more.
+            let reached = if second[lane] >= 0.0 { second[lane] } else { largest[lane] };
+            let cap = if reached >= 0.0 { (FACTOR * reached).max(LEAST_CAP) } else { f32::INFINITY };
+            shares[lane] = (cap / own[lane].max(1e-9)).min(1.0);
+        }
+        [shares]
     }
-    if around.is_empty() {
-        return f32::INFINITY;
-    }
-    let rank = ((around.len() - 1) as f32 * QUANTILE) as usize;
-    let (_, reached, _) = around.select_nth_unstable_by(rank, f32::total_cmp);
-    (FACTOR * *reached).max(LEAST_CAP)
 }
 
 #[cfg(test)]

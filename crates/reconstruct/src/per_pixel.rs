@@ -1,6 +1,7 @@
 //! Planes that are filled pixel by pixel, on all threads.
 
 use rayon::prelude::*;
+use stack::Size;
 
 use crate::eight::{LANES, Lanes};
 
@@ -56,6 +57,35 @@ impl Pixels {
         let mut values = [0.0; LANES];
         values[..plane.len()].copy_from_slice(plane);
         values
+    }
+
+    /// The numbers in `plane` of the pixels `by` places after them; zeros where there are none.
+    #[inline(always)]
+    pub fn moved(self, by: isize, plane: &[f32]) -> Lanes {
+        let first = self.first.checked_add_signed(by);
+        if let Some(eight) = first.and_then(|first| plane.get(first..)).and_then(|rest| rest.first_chunk()) {
+            return *eight;
+        }
+        let mut values = [0.0; LANES];
+        for (i, value) in values.iter_mut().enumerate() {
+            let pixel = (self.first + i).checked_add_signed(by);
+            *value = pixel.and_then(|pixel| plane.get(pixel)).copied().unwrap_or_default();
+        }
+        values
+    }
+
+    /// 1 for each of them that is inside a picture of `size` when moved by so many columns and rows, 0 for the others.
+    #[inline(always)]
+    pub fn inside(self, size: Size, [dx, dy]: [isize; 2]) -> Lanes {
+        let mut inside = [0.0; LANES];
+        for (i, inside) in inside.iter_mut().enumerate() {
+            let pixel = self.first + i;
+            let x = (pixel % size.width).checked_add_signed(dx);
+            let y = (pixel / size.width).checked_add_signed(dy);
+            let is_inside = x.is_some_and(|x| x < size.width) && y.is_some_and(|y| y < size.height);
+            *inside = f32::from(u8::from(is_inside && i < self.count));
+        }
+        inside
     }
 
     /// What `value` is of each of them; zeros stand for pixels that there are not.
@@ -129,6 +159,33 @@ mod tests {
             assert!((0..pixels).all(|pixel| a[pixel] == pixel as f32 && b[pixel] == 0.5 - pixel as f32));
             let [c, d] = planes_by_eight(pixels, &Swapped([&a, &b]));
             assert!(c == b && d == a);
+        }
+    }
+
+    struct Moved<'a>(Size, [isize; 2], &'a [f32]);
+
+    impl ByEight<2> for Moved<'_> {
+        fn numbers(&self, pixels: Pixels) -> [Lanes; 2] {
+            let Self(size, by, plane) = self;
+            [pixels.moved(by[1] * size.width as isize + by[0], plane), pixels.inside(*size, *by)]
+        }
+    }
+
+    #[test]
+    fn neighbours_are_found_and_the_border_is_known() {
+        for size in [Size::new(11, 5), Size::new(3, 1), Size::new(1, 9)] {
+            let numbers: Vec<f32> = (1..=size.pixels()).map(|i| i as f32).collect();
+            for by in [[0, 0], [2, -1], [-3, 1], [1, 4], [-20, 0]] {
+                let [moved, inside] = planes_by_eight(size.pixels(), &Moved(size, by, &numbers));
+                for pixel in 0..size.pixels() {
+                    let [x, y] = [(pixel % size.width) as isize + by[0], (pixel / size.width) as isize + by[1]];
+                    let there = (0..size.width as isize).contains(&x) && (0..size.height as isize).contains(&y);
+                    assert_eq!(inside[pixel], f32::from(u8::from(there)), "{size:?} {by:?} {pixel}");
+                    if there {
+                        assert_eq!(moved[pixel], numbers[size.index(x as usize, y as usize)]);
+                    }
+                }
+            }
         }
     }
 }

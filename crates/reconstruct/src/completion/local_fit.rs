@@ -3,12 +3,15 @@
 use stack::Size;
 
 use crate::collaborative::FEATURES;
+use crate::eight::{LANES, Lanes};
 use crate::exp::exp_of_negative;
+use crate::per_pixel::Pixels;
 
 /// Constant, column and row, then features.
 const TERMS: usize = 3 + FEATURES;
 
-type Vector = [f32; TERMS];
+/// The terms of one pixel of each window.
+type Terms = [Lanes; TERMS];
 
 /// Fits in windows around any pixel.
 #[derive(Clone, Copy, Debug)]
@@ -25,74 +28,143 @@ pub struct LocalFit<'a> {
     pub ridge: f32,
 }
 
+/// A pixel of a window, as seen from the centre.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Offset {
+    /// Columns to the right.
+    pub x: isize,
+    /// Rows down.
+    pub y: isize,
+}
+
+impl Offset {
+    /// By how much the number of that pixel is greater, in a picture of `width`.
+    pub fn places(self, width: usize) -> isize {
+        self.y * width as isize + self.x
+    }
+}
+
 impl LocalFit<'_> {
-    /// Pixels of the window and the weight each has in the fit's value at the centre: the equivalent kernel
-    /// l = w X (XᵀWX + λ)⁻¹ e₁ of ridge regression. Weights add up to 1.
-    pub fn equivalent_kernel(&self, pixel: usize, kernel: &mut Vec<(usize, f32)>) {
-        kernel.clear();
-        let (x, y, r) = (pixel % self.size.width, pixel / self.size.width, self.radius);
-        for row in y.saturating_sub(r)..(y + r + 1).min(self.size.height) {
-            for column in x.saturating_sub(r)..(x + r + 1).min(self.size.width) {
-                let near = self.size.index(column, row);
-                kernel.push((near, self.likeness_of(pixel, near)));
-            }
-        }
-        let mut matrix = [[0.0; TERMS]; TERMS];
-        for (near, weight) in kernel.iter() {
-            add_outer_product(&mut matrix, &self.terms(pixel, *near), *weight);
-        }
-        let count = 3 + self.planes.len();
-        let total = matrix[0][0];
-        (1..count).for_each(|i| matrix[i][i] += self.ridge * total);
-        let solution = first_column_of_inverse(&mut matrix, count);
-        for (near, weight) in kernel.iter_mut() {
-            let terms = self.terms(pixel, *near);
-            *weight *= solution.iter().zip(&terms).map(|(a, b)| a * b).sum::<f32>();
-        }
+    /// The pixels of a window, row by row.
+    pub fn offsets(&self) -> impl Iterator<Item = Offset> {
+        let radius = self.radius as isize;
+        (-radius..=radius).flat_map(move |y| (-radius..=radius).map(move |x| Offset { x, y }))
     }
 
-    fn likeness_of(&self, pixel: usize, near: usize) -> f32 {
-        let squares = self.planes.iter().map(|plane| (plane[pixel] - plane[near]).powi(2));
-        exp_of_negative(-squares.sum::<f32>() / (2.0 * self.likeness * self.likeness))
+    /// The weight that each pixel of the windows around `pixels`, in the order of [`Self::offsets`], has in the fit's value at
+    /// the centre: the equivalent kernel l = w X (XᵀWX + λ)⁻¹ e₁ of ridge regression. Weights add up to 1; outside the picture
+    /// they are 0.
+    #[inline(always)]
+    pub fn equivalent_kernels(&self, pixels: Pixels) -> Vec<Lanes> {
+        let count = 3 + self.planes.len();
+        let mut kernels = Vec::with_capacity((2 * self.radius + 1).pow(2));
+        let mut matrix = [[[0.0; LANES]; TERMS]; TERMS];
+        for offset in self.offsets() {
+            let terms = self.terms(pixels, offset);
+            let weight = self.likeness(pixels, offset, &terms);
+            for i in 0..count {
+                let mut weighted = [0.0; LANES];
+                for lane in 0..LANES {
+                    weighted[lane] = weight[lane] * terms[i][lane];
+                }
+                for j in i..count {
+                    for lane in 0..LANES {
+                        matrix[i][j][lane] = weighted[lane].mul_add(terms[j][lane], matrix[i][j][lane]);
+                    }
+                }
+            }
+            kernels.push(weight);
+        }
+        let total = matrix[0][0];
+        for (i, row) in matrix.iter_mut().enumerate().skip(1) {
+            for lane in 0..LANES {
+                row[i][lane] += self.ridge * total[lane];
+            }
+        }
+        let solution = first_columns_of_inverses(&mut matrix, count);
+        for (offset, kernel) in self.offsets().zip(&mut kernels) {
+            let terms = self.terms(pixels, offset);
+            let mut value = [0.0; LANES];
+            for (solution, terms) in solution.iter().zip(&terms).take(count) {
+                for lane in 0..LANES {
+                    value[lane] += solution[lane] * terms[lane];
+                }
+            }
+            for lane in 0..LANES {
+                kernel[lane] *= value[lane];
+            }
+        }
+        kernels
+    }
+
+    /// What pixels of given `terms` count by; outside the picture 0.
+    #[inline(always)]
+    fn likeness(&self, pixels: Pixels, offset: Offset, terms: &Terms) -> Lanes {
+        let inside = pixels.inside(self.size, [offset.x, offset.y]);
+        let mut squares = [0.0; LANES];
+        for term in &terms[3..3 + self.planes.len()] {
+            for lane in 0..LANES {
+                squares[lane] += term[lane] * term[lane];
+            }
+        }
+        let mut likeness = [0.0; LANES];
+        for lane in 0..LANES {
+            likeness[lane] = exp_of_negative(-squares[lane] / (2.0 * self.likeness * self.likeness)) * inside[lane];
+        }
+        likeness
     }
 
     /// Differences from the centre, which itself is (1, 0, 0 …).
-    fn terms(&self, pixel: usize, near: usize) -> Vector {
-        let (width, unit) = (self.size.width, 0.5 / self.radius as f32);
-        let mut terms = [0.0; TERMS];
-        terms[0] = 1.0;
-        terms[1] = ((near % width) as f32 - (pixel % width) as f32) * unit;
-        terms[2] = ((near / width) as f32 - (pixel / width) as f32) * unit;
+    #[inline(always)]
+    fn terms(&self, pixels: Pixels, offset: Offset) -> Terms {
+        let unit = 0.5 / self.radius as f32;
+        let mut terms = [[0.0; LANES]; TERMS];
+        terms[0] = [1.0; LANES];
+        terms[1] = [offset.x as f32 * unit; LANES];
+        terms[2] = [offset.y as f32 * unit; LANES];
+        let places = offset.places(self.size.width);
         for (term, plane) in terms[3..].iter_mut().zip(self.planes) {
-            *term = plane[near] - plane[pixel];
+            let (near, own) = (pixels.moved(places, plane), pixels.of(plane));
+            for lane in 0..LANES {
+                term[lane] = near[lane] - own[lane];
+            }
         }
         terms
     }
 }
 
-fn add_outer_product(matrix: &mut [Vector; TERMS], terms: &Vector, weight: f32) {
-    for (row, a) in matrix.iter_mut().zip(terms) {
-        row.iter_mut().zip(terms).for_each(|(sum, b)| *sum += weight * a * b);
-    }
-}
-
-/// The first column of M⁻¹, M the upper left `count`² of a positive definite matrix, by its factor M = L D Lᵀ.
-fn first_column_of_inverse(matrix: &mut [Vector; TERMS], count: usize) -> Vector {
-    let mut solution = [0.0; TERMS];
-    solution[0] = 1.0;
+/// The first columns of M⁻¹, M the upper left `count`² of positive definite matrices of which the upper triangle is given, by
+/// the factor M = L D Lᵀ.
+#[inline(always)]
+fn first_columns_of_inverses(matrix: &mut [Terms; TERMS], count: usize) -> Terms {
+    let mut solution = [[0.0; LANES]; TERMS];
+    solution[0] = [1.0; LANES];
     for i in 0..count {
-        let pivot = matrix[i][i].max(f32::MIN_POSITIVE);
+        let (above, below) = matrix.split_at_mut(i + 1);
+        let row = &above[i];
         for j in i + 1..count {
-            let factor = matrix[j][i] / pivot;
-            for k in i..count {
-                matrix[j][k] -= factor * matrix[i][k];
+            let mut factor = [0.0; LANES];
+            for lane in 0..LANES {
+                factor[lane] = row[j][lane] / row[i][lane].max(f32::MIN_POSITIVE);
+                solution[j][lane] -= factor[lane] * solution[i][lane];
             }
-            solution[j] -= factor * solution[i];
+            for k in j..count {
+                for lane in 0..LANES {
+                    below[j - i - 1][k][lane] -= factor[lane] * row[k][lane];
+                }
+            }
         }
     }
     for i in (0..count).rev() {
-        let known: f32 = (i + 1..count).map(|k| matrix[i][k] * solution[k]).sum();
-        solution[i] = (solution[i] - known) / matrix[i][i].max(f32::MIN_POSITIVE);
+        let mut known = [0.0; LANES];
+        for k in i + 1..count {
+            for lane in 0..LANES {
+                known[lane] += matrix[i][k][lane] * solution[k][lane];
+            }
+        }
+        for lane in 0..LANES {
+            solution[i][lane] = (solution[i][lane] - known[lane]) / matrix[i][i][lane].max(f32::MIN_POSITIVE);
+        }
     }
     solution
 }
@@ -100,33 +172,64 @@ fn first_column_of_inverse(matrix: &mut [Vector; TERMS], count: usize) -> Vector
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::per_pixel::{ByEight, planes_by_eight};
     use crate::test_noise::TestNoise;
     use nalgebra::{DMatrix, DVector};
 
     const SIZE: Size = Size::new(9, 7);
+
+    /// Pixels of a window of radius 2.
+    const WINDOW: usize = 25;
 
     fn planes() -> Vec<Vec<f32>> {
         let mut noise = TestNoise(31);
         (0..4).map(|_| noise.normals(SIZE.pixels(), 0.3, 0.1)).collect()
     }
 
-    fn kernel(fit: &LocalFit, pixel: usize) -> Vec<(usize, f32)> {
-        let mut kernel = Vec::new();
-        fit.equivalent_kernel(pixel, &mut kernel);
-        kernel
+    struct Kernels<'a>(LocalFit<'a>);
+
+    impl ByEight<WINDOW> for Kernels<'_> {
+        fn numbers(&self, pixels: Pixels) -> [Lanes; WINDOW] {
+            self.0.equivalent_kernels(pixels).try_into().unwrap()
+        }
+    }
+
+    /// The pixels around each pixel, and their weights.
+    fn kernels(fit: LocalFit) -> Vec<Vec<(usize, f32)>> {
+        let weights = planes_by_eight(SIZE.pixels(), &Kernels(fit));
+        let of = |pixel: usize| {
+            let (x, y) = ((pixel % SIZE.width) as isize, (pixel / SIZE.width) as isize);
+            let mut kernel = Vec::new();
+            for (offset, weights) in fit.offsets().zip(&weights) {
+                let (x, y) = (x + offset.x, y + offset.y);
+                if (0..SIZE.width as isize).contains(&x) && (0..SIZE.height as isize).contains(&y) {
+                    kernel.push((SIZE.index(x as usize, y as usize), weights[pixel]));
+                } else {
+                    assert_eq!(weights[pixel], 0.0);
+                }
+            }
+            kernel
+        };
+        (0..SIZE.pixels()).map(of).collect()
+    }
+
+    /// Constant, column, row and features of `near`, as seen from `pixel`.
+    fn row(planes: &[Vec<f32>], pixel: usize, near: usize) -> Vec<f64> {
+        let place = |i: usize| [(i % SIZE.width) as f64, (i / SIZE.width) as f64];
+        let step = |axis: usize| 0.25 * (place(near)[axis] - place(pixel)[axis]);
+        let features = planes.iter().map(|plane| f64::from(plane[near] - plane[pixel]));
+        [1.0, step(0), step(1)].into_iter().chain(features).collect()
     }
 
     #[test]
     fn weights_are_those_of_ridge_regression() {
         let planes = planes();
         let fit = LocalFit { size: SIZE, planes: &planes, radius: 2, likeness: 0.3, ridge: 0.02 };
-        for pixel in [0, 31, 40] {
-            let found = kernel(&fit, pixel);
-            let weights =
-                DVector::from_iterator(found.len(), found.iter().map(|(q, _)| f64::from(fit.likeness_of(pixel, *q))));
-            let rows: Vec<f64> =
-                found.iter().flat_map(|(q, _)| fit.terms(pixel, *q)[..7].to_vec()).map(f64::from).collect();
-            let x = DMatrix::from_row_slice(found.len(), 7, &rows);
+        for (pixel, found) in kernels(fit).iter().enumerate() {
+            let rows: Vec<Vec<f64>> = found.iter().map(|(near, _)| row(&planes, pixel, *near)).collect();
+            let likeness = |row: &Vec<f64>| (-row[3..].iter().map(|v| v * v).sum::<f64>() / (2.0 * 0.3 * 0.3)).exp();
+            let weights = DVector::from_iterator(rows.len(), rows.iter().map(likeness));
+            let x = DMatrix::from_row_slice(rows.len(), 7, &rows.concat());
             let mut gram = x.transpose() * DMatrix::from_diagonal(&weights) * &x;
             (1..7).for_each(|i| gram[(i, i)] += 0.02 * weights.sum());
             let column = gram.try_inverse().unwrap().column(0).into_owned();
@@ -142,8 +245,7 @@ mod tests {
         let planes = planes();
         let fit = LocalFit { size: SIZE, planes: &planes, radius: 2, likeness: 1.0, ridge: 1e-6 };
         let light = |q: usize| 1.0 + 0.2 * (q % 9) as f32 - 0.1 * (q / 9) as f32 + 2.0 * planes[1][q] - planes[3][q];
-        for pixel in 0..SIZE.pixels() {
-            let kernel = kernel(&fit, pixel);
+        for (pixel, kernel) in kernels(fit).iter().enumerate() {
             assert!((kernel.iter().map(|(_, w)| w).sum::<f32>() - 1.0).abs() < 1e-3);
             let fitted: f32 = kernel.iter().map(|(q, w)| w * light(*q)).sum();
             assert!((fitted - light(pixel)).abs() < 5e-3, "{pixel}: {fitted} {}", light(pixel));

@@ -8,7 +8,9 @@ use super::local_fit::LocalFit;
 use super::place::has_depth;
 use super::roughness::roughness_of_light;
 use crate::box_filter::box_mean;
+use crate::eight::{LANES, Lanes};
 use crate::lone_light::share_like_neighbours;
+use crate::per_pixel::{ByEight, Pixels, planes_by_eight};
 use crate::prefilter::{PrefilterError, VarianceSource, guides, normalised};
 
 /// Variance of every value of `mean`, measured: what a linear fit to place and features around it leaves of it, squared.
@@ -32,29 +34,25 @@ pub fn measured_variance(
     let low = with_shares(mean, &kept, |y, kept| y * kept);
     let CompletionSettings { noise_radius: radius, noise_likeness: likeness, noise_ridge: ridge, .. } = *settings;
     let fit = LocalFit { size, planes: &planes, radius, likeness, ridge };
-    let squares: Vec<[f32; 3]> = (0..size.pixels())
-        .into_par_iter()
-        .map_init(Vec::new, |kernel, pixel| squared_residual(&fit, &low, pixel, kernel))
-        .collect();
-    let squares = Image::from_channels(size, (0..3).map(|c| squares.iter().map(|s| s[c]).collect()).collect());
+    let squares = planes_by_eight(size.pixels(), &SquaredResiduals { fit, light: &low });
+    let squares = Image::from_channels(size, squares.into());
     let mut variance = without_detail(squares, &low, limit);
     variance.add(&with_shares(mean, &kept, |y, kept| (y * (1.0 - kept)).powi(2)));
     Ok(variance)
 }
 
 /// `change` of every value and its pixel's share.
-fn with_shares(image: &Image, shares: &[f32], change: impl Fn(f32, f32) -> f32) -> Image {
-    let planes = image.channels().iter();
-    let planes = planes.map(|plane| plane.iter().zip(shares).map(|(y, share)| change(*y, *share)).collect());
-    Image::from_channels(image.size(), planes.collect())
+fn with_shares(image: &Image, shares: &[f32], change: impl Fn(f32, f32) -> f32 + Sync) -> Image {
+    let changed = |plane: &Vec<f32>| plane.iter().zip(shares).map(|(y, share)| change(*y, *share)).collect();
+    Image::from_channels(image.size(), image.channels().par_iter().map(changed).collect())
 }
 
 /// `squares` of residuals, less where `light` is smoother along some line than the fit says: there are edges or textures
 /// that no feature explains. Over 3×3 pixels, relative to brightness, they do not exceed `factor` times its roughness.
 fn without_detail(mut squares: Image, light: &Image, factor: f32) -> Image {
     let (size, rough) = (light.size(), roughness_of_light(light));
-    let limits = rough.variance.channels().iter().zip(rough.scale.channels());
-    for (plane, (variance, scale)) in squares.channels_mut().iter_mut().zip(limits) {
+    let limits = rough.variance.channels().par_iter().zip(rough.scale.channels());
+    squares.channels_mut().par_iter_mut().zip(limits).for_each(|(plane, (variance, scale))| {
         let relative: Vec<f32> = plane.iter().zip(scale).map(|(square, scale)| square / scale).collect();
         let around = box_mean(&relative, size, 1);
         for (i, square) in plane.iter_mut().enumerate() {
@@ -63,7 +61,7 @@ fn without_detail(mut squares: Image, light: &Image, factor: f32) -> Image {
                 *square *= limit / around;
             }
         }
-    }
+    });
     squares
 }
 
@@ -74,18 +72,47 @@ fn is_explained(stack: &FeatureStack) -> bool {
 
 /// The features on natural scales, not filtered: their noise is unknown, too.
 fn feature_planes(stack: &FeatureStack) -> Result<Vec<Vec<f32>>, PrefilterError> {
-    let normal = guides(stack)?.into_iter().map(|feature| normalised(feature, &stack.samples, VarianceSource::Buckets));
-    Ok(normal.flat_map(|feature| feature.planes).map(|plane| plane.iter().map(|v| 0.5 * v).collect()).collect())
+    let halved = |feature| {
+        let mut planes = normalised(feature, &stack.samples, VarianceSource::Buckets).planes;
+        planes.iter_mut().flatten().for_each(|v| *v *= 0.5);
+        planes
+    };
+    let planes: Vec<Vec<Vec<f32>>> = guides(stack)?.into_par_iter().map(halved).collect();
+    Ok(planes.into_iter().flatten().collect())
 }
 
-fn squared_residual(fit: &LocalFit, mean: &Image, pixel: usize, kernel: &mut Vec<(usize, f32)>) -> [f32; 3] {
-    fit.equivalent_kernel(pixel, kernel);
-    let (mut residual, mut norm) = ([0.0; 3], 0.0);
-    for (near, weight) in kernel.iter() {
-        let left = if *near == pixel { 1.0 - weight } else { -weight };
-        norm += left * left;
-        residual.iter_mut().zip(mean.rgb(*near)).for_each(|(sum, y)| *sum += left * y);
+/// What fits leave of `light`, squared, in units of what they would leave of white noise.
+struct SquaredResiduals<'a> {
+    fit: LocalFit<'a>,
+    light: &'a Image,
+}
+
+impl ByEight<3> for SquaredResiduals<'_> {
+    #[inline(always)]
+    fn numbers(&self, pixels: Pixels) -> [Lanes; 3] {
+        let mut residuals = [[0.0; LANES]; 3];
+        let mut norm = [0.0; LANES];
+        for (offset, kernel) in self.fit.offsets().zip(self.fit.equivalent_kernels(pixels)) {
+            let places = offset.places(self.fit.size.width);
+            let own = if places == 0 { 1.0 } else { 0.0 };
+            let mut left = [0.0; LANES];
+            for lane in 0..LANES {
+                left[lane] = own - kernel[lane];
+                norm[lane] += left[lane] * left[lane];
+            }
+            for (residual, plane) in residuals.iter_mut().zip(self.light.channels()) {
+                let light = pixels.moved(places, plane);
+                for lane in 0..LANES {
+                    residual[lane] += left[lane] * light[lane];
+                }
+            }
+        }
+        for residual in &mut residuals {
+            for lane in 0..LANES {
+                // Half a value's own variance at least must show, or rounding and chance decide.
+                residual[lane] = residual[lane] * residual[lane] / norm[lane].max(0.05);
+            }
+        }
+        residuals
     }
-    // Half a value's own variance at least must show, or rounding and chance decide.
-    residual.map(|r| r * r / norm.max(0.05))
 }

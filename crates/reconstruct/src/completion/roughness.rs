@@ -1,9 +1,9 @@
 //! How much neighbouring pixels differ beyond lines and edges.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 use stack::{Image, Size};
-
-use crate::box_filter::box_mean;
 
 /// Lines through a pixel: along rows, columns and both diagonals.
 const DIRECTIONS: [[isize; 2]; 4] = [[1, 0], [0, 1], [1, 1], [1, -1]];
@@ -36,58 +36,122 @@ pub fn roughness_of_light(image: &Image) -> Roughness {
     roughness_over(image, |before, own, after| (0.25 * (before + 2.0 * own + after)).powi(2) + DARK)
 }
 
+/// Rows that one task works on.
+const ROWS: usize = 16;
+
 fn roughness_over(image: &Image, scale: impl Fn(f32, f32, f32) -> f32 + Sync) -> Roughness {
-    let size = image.size();
-    let along: Vec<Vec<[Vec<f32>; 2]>> = DIRECTIONS
-        .par_iter()
-        .map(|direction| {
-            let of_plane = |plane: &Vec<f32>| {
-                let (squares, scales) = second_differences(plane, size, *direction, &scale);
-                [box_mean(&squares, size, 1), scales]
-            };
-            image.channels().iter().map(of_plane).collect()
-        })
-        .collect();
-    let total = |direction: &[[Vec<f32>; 2]], pixel: usize| {
-        let sum: f32 = direction.iter().map(|[square, _]| square[pixel]).sum();
-        if sum.is_nan() { f32::INFINITY } else { sum }
-    };
-    let smoothest: Vec<usize> = (0..size.pixels())
-        .map(|pixel| {
-            let totals: [f32; 4] = std::array::from_fn(|d| total(&along[d], pixel));
-            (1..4).fold(0, |least, d| if totals[d] < totals[least] { d } else { least })
-        })
-        .collect();
-    let image_of = |value: &dyn Fn(&[Vec<f32>; 2], usize) -> f32| {
-        let plane = |c: usize| smoothest.iter().enumerate().map(|(pixel, d)| value(&along[*d][c], pixel)).collect();
-        Image::from_channels(size, (0..image.channels().len()).map(plane).collect())
-    };
-    Roughness {
-        variance: image_of(&|[squares, scales], pixel| squares[pixel] * scales[pixel] / LEAST_OF_WHITE),
-        scale: image_of(&|[_, scales], pixel| scales[pixel]),
+    let (size, channels) = (image.size(), image.channels().len());
+    let mut planes = vec![vec![0.0; size.pixels()]; 2 * channels];
+    let mut rest: Vec<_> = planes.iter_mut().map(|plane| plane.chunks_mut((ROWS * size.width).max(1))).collect();
+    let tasks: Vec<Vec<&mut [f32]>> =
+        (0..size.height.div_ceil(ROWS)).map(|_| rest.iter_mut().filter_map(Iterator::next).collect()).collect();
+    tasks.into_par_iter().enumerate().for_each(|(number, mut task)| {
+        let (variance, scales) = task.split_at_mut(channels);
+        let first = number * ROWS;
+        let rows = first..(first + ROWS).min(size.height);
+        let mut least = vec![f32::INFINITY; rows.len() * size.width];
+        for direction in DIRECTIONS {
+            let along: Vec<Along> =
+                image.channels().iter().map(|plane| Along::new(plane, size, direction, rows.clone(), &scale)).collect();
+            for (pixel, least) in least.iter_mut().enumerate() {
+                let total: f32 = along.iter().map(|along| along.squares[pixel]).sum();
+                // The first direction counts where none is known.
+                if total < *least || direction == DIRECTIONS[0] {
+                    *least = if total.is_nan() { f32::INFINITY } else { total };
+                    for (c, along) in along.iter().enumerate() {
+                        variance[c][pixel] = along.squares[pixel] * along.scales[pixel] / LEAST_OF_WHITE;
+                        scales[c][pixel] = along.scales[pixel];
+                    }
+                }
+            }
+        }
+    });
+    let scale = planes.split_off(channels);
+    Roughness { variance: Image::from_channels(size, planes), scale: Image::from_channels(size, scale) }
+}
+
+/// Differences along one direction in some rows of a plane.
+struct Along {
+    /// Their squares, means over 3×3 pixels; NaN where none is known.
+    squares: Vec<f32>,
+    /// What each was taken relative to.
+    scales: Vec<f32>,
+}
+
+impl Along {
+    fn new(
+        plane: &[f32],
+        size: Size,
+        direction: [isize; 2],
+        rows: Range<usize>,
+        scale: &impl Fn(f32, f32, f32) -> f32,
+    ) -> Self {
+        let width = size.width;
+        let around = rows.start.saturating_sub(1)..(rows.end + 1).min(size.height);
+        let mut squares = vec![f32::NAN; around.len() * width];
+        let mut scales = vec![0.0; around.len() * width];
+        let mut across = vec![[0.0; 2]; around.len() * width];
+        for (i, y) in around.clone().enumerate() {
+            let row = i * width..(i + 1) * width;
+            second_differences(plane, size, direction, y, scale, &mut squares[row.clone()], &mut scales[row.clone()]);
+            known_sums(&squares[row.clone()], &mut across[row]);
+        }
+        let mut means = Vec::with_capacity(rows.len() * width);
+        for y in rows.clone() {
+            let three = y.saturating_sub(1).max(around.start) - around.start..(y + 2).min(around.end) - around.start;
+            let first = means.len();
+            means.resize(first + width, 0.0);
+            for x in 0..width {
+                let (mut sum, mut count) = (0.0, 0.0);
+                for i in three.clone() {
+                    sum += across[i * width + x][0];
+                    count += across[i * width + x][1];
+                }
+                means[first + x] = if count > 0.0 { sum / count } else { f32::NAN };
+            }
+        }
+        scales.drain(..(rows.start - around.start) * width);
+        scales.truncate(rows.len() * width);
+        Self { squares: means, scales }
     }
 }
 
-/// A sixth of the squared second difference along `direction` over its `scale`, NaN where a neighbour is missing or not
-/// finite; and that scale, the pixel's own where a neighbour is missing.
+/// Sums of three values side by side that are known, and how many they are.
+fn known_sums(values: &[f32], sums: &mut [[f32; 2]]) {
+    for (x, sum) in sums.iter_mut().enumerate() {
+        *sum = [0.0; 2];
+        for value in &values[x.saturating_sub(1)..(x + 2).min(values.len())] {
+            let known = if value.is_nan() { [0.0; 2] } else { [*value, 1.0] };
+            *sum = [sum[0] + known[0], sum[1] + known[1]];
+        }
+    }
+}
+
+/// For row `y`, a sixth of the squared second difference along a direction over its `scale`, NaN where a neighbour is
+/// missing or not finite; and that scale, the pixel's own where a neighbour is missing.
 fn second_differences(
     plane: &[f32],
     size: Size,
     [dx, dy]: [isize; 2],
-    scale: impl Fn(f32, f32, f32) -> f32,
-) -> (Vec<f32>, Vec<f32>) {
-    let at = |x: usize, y: usize, sign: isize| {
-        let (x, y) = (x.checked_add_signed(sign * dx)?, y.checked_add_signed(sign * dy)?);
-        (x < size.width && y < size.height).then(|| plane[size.index(x, y)])
-    };
-    let of_pixel = |pixel: usize| {
-        let (x, y, own) = (pixel % size.width, pixel / size.width, plane[pixel]);
-        let (Some(before), Some(after)) = (at(x, y, -1), at(x, y, 1)) else { return (f32::NAN, scale(own, own, own)) };
-        let scale = scale(before, own, after);
-        let square = (before - 2.0 * own + after).powi(2) / (6.0 * scale);
-        (if square.is_finite() { square } else { f32::NAN }, scale)
-    };
-    (0..size.pixels()).map(of_pixel).unzip()
+    y: usize,
+    scale: &impl Fn(f32, f32, f32) -> f32,
+    squares: &mut [f32],
+    scales: &mut [f32],
+) {
+    let row = |y: usize| (y < size.height).then(|| &plane[y * size.width..][..size.width]);
+    let own = &plane[y * size.width..][..size.width];
+    scales.iter_mut().zip(own).for_each(|(to, own)| *to = scale(*own, *own, *own));
+    let (before, after) = (y.checked_add_signed(-dy).and_then(row), y.checked_add_signed(dy).and_then(row));
+    let (Some(before), Some(after)) = (before, after) else { return };
+    let margin = dx.unsigned_abs();
+    let inner = margin..size.width.saturating_sub(margin).max(margin);
+    for x in inner {
+        let (before, after) = (before[x.wrapping_add_signed(-dx)], after[x.wrapping_add_signed(dx)]);
+        let scale = scale(before, own[x], after);
+        let square = (before - 2.0 * own[x] + after).powi(2) / (6.0 * scale);
+        squares[x] = if square.is_finite() { square } else { f32::NAN };
+        scales[x] = scale;
+    }
 }
 
 #[cfg(test)]
