@@ -3,7 +3,9 @@
 use std::f32::consts::FRAC_1_SQRT_2;
 use std::sync::LazyLock;
 
-use crate::eight::{LANES, Lanes};
+use pulp::Simd;
+
+use crate::eight::{Eight, LANES, Lanes};
 
 /// Side of a patch: as many pixels as are worked on side by side.
 pub const PATCH: usize = LANES;
@@ -25,6 +27,10 @@ static COSINES: LazyLock<Patch> = LazyLock::new(|| {
     })
 });
 
+/// Its inverse.
+static BACK: LazyLock<Patch> =
+    LazyLock::new(|| std::array::from_fn(|place| std::array::from_fn(|frequency| COSINES[frequency][place])));
+
 /// Coefficients of a stack of patches: orthonormal, so that white noise keeps its variance in each.
 #[derive(Clone, Debug)]
 pub struct Group(Vec<Patch>);
@@ -32,10 +38,11 @@ pub struct Group(Vec<Patch>);
 impl Group {
     /// Transforms as many `patches` as some power of two.
     #[inline(always)]
-    pub fn new(mut patches: Vec<Patch>) -> Self {
+    pub fn new<S: Simd>(simd: S, mut patches: Vec<Patch>) -> Self {
+        let (there, back) = (&*COSINES, &*BACK);
         // Loops, here and below: closures are not compiled for the widest instructions there are.
         for patch in &mut patches {
-            *patch = twice(&COSINES, patch);
+            *patch = product(simd, &product(simd, there, patch), back);
         }
         let mut other = patches.clone();
         let mut sums = patches.len();
@@ -81,7 +88,7 @@ impl Group {
 
     /// The patches of which these are the coefficients.
     #[inline(always)]
-    pub fn into_patches(self) -> Vec<Patch> {
+    pub fn into_patches<S: Simd>(self, simd: S) -> Vec<Patch> {
         let mut patches = self.0;
         let mut other = patches.clone();
         let mut sums = 1;
@@ -92,9 +99,9 @@ impl Group {
             sums *= 2;
             patches[..sums].copy_from_slice(&other[..sums]);
         }
-        let back = transposed(&COSINES);
+        let (there, back) = (&*COSINES, &*BACK);
         for patch in &mut patches {
-            *patch = twice(&back, patch);
+            *patch = product(simd, &product(simd, back, patch), there);
         }
         patches
     }
@@ -113,38 +120,28 @@ fn butterfly(a: &Patch, b: &Patch) -> (Patch, Patch) {
     (sum, difference)
 }
 
-/// `matrix` applied to columns, then to rows; the result stands on its side, which the way back puts right.
+/// The product of two matrices.
 #[inline(always)]
-fn twice(matrix: &Patch, patch: &Patch) -> Patch {
-    product(matrix, &transposed(&product(matrix, patch)))
-}
-
-#[inline(always)]
-fn product(matrix: &Patch, patch: &Patch) -> Patch {
+fn product<S: Simd>(simd: S, a: &Patch, b: &Patch) -> Patch {
+    let mut rows = [Eight::splat(simd, 0.0); PATCH];
+    for (row, b) in rows.iter_mut().zip(b) {
+        *row = Eight::of(simd, b);
+    }
     let mut product = [[0.0; PATCH]; PATCH];
-    for (sums, factors) in product.iter_mut().zip(matrix) {
-        for (factor, values) in factors.iter().zip(patch) {
-            for (sum, value) in sums.iter_mut().zip(values) {
-                *sum += factor * value;
-            }
+    for (to, factors) in product.iter_mut().zip(a) {
+        let mut sum = Eight::splat(simd, 0.0);
+        for (factor, row) in factors.iter().zip(rows) {
+            sum = Eight::splat(simd, *factor).mul_add(simd, row, sum);
         }
+        sum.store(to);
     }
     product
 }
 
-#[inline(always)]
-fn transposed(patch: &Patch) -> Patch {
-    let mut transposed = [[0.0; PATCH]; PATCH];
-    for (row, values) in patch.iter().enumerate() {
-        for (column, value) in values.iter().enumerate() {
-            transposed[column][row] = *value;
-        }
-    }
-    transposed
-}
-
 #[cfg(test)]
 mod tests {
+    use pulp::Scalar;
+
     use super::*;
     use crate::test_noise::TestNoise;
 
@@ -157,7 +154,7 @@ mod tests {
     fn the_way_back_leads_to_the_same_patches() {
         for count in [1, 2, 8, 32] {
             let patches = noise(count);
-            let back = Group::new(patches.clone()).into_patches();
+            let back = Group::new(Scalar, patches.clone()).into_patches(Scalar);
             let pairs = patches.iter().flatten().flatten().zip(back.iter().flatten().flatten());
             assert!(pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max) < 1e-5, "{count}");
         }
@@ -167,9 +164,9 @@ mod tests {
     fn it_keeps_lengths_and_gathers_what_is_alike_in_one_number() {
         let patches = noise(16);
         let square = |patches: &[Patch]| patches.iter().flatten().flatten().map(|v| v * v).sum::<f32>();
-        let group = Group::new(patches.clone());
+        let group = Group::new(Scalar, patches.clone());
         assert!((square(&group.0) / square(&patches) - 1.0).abs() < 1e-5);
-        let flat = Group::new(vec![[[3.0; PATCH]; PATCH]; 16]);
+        let flat = Group::new(Scalar, vec![[[3.0; PATCH]; PATCH]; 16]);
         assert!((flat.0[0][0][0] - 3.0 * (16.0 * 64.0_f32).sqrt()).abs() < 1e-3);
         assert!(square(&flat.0) - flat.0[0][0][0].powi(2) < 1e-3);
     }

@@ -9,6 +9,7 @@
 mod group;
 mod matching;
 
+use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 use stack::Size;
 
@@ -79,7 +80,7 @@ impl Sweep<'_> {
 
     /// What the groups of the patches with their upper border in row `y` add.
     #[inline(always)]
-    fn band(&self, y: usize) -> Band {
+    fn band<S: Simd>(&self, simd: S, y: usize) -> Band {
         let (size, compared) = (self.size, &self.pilot.unwrap_or(self.noisy)[0]);
         let most = if self.pilot.is_some() { SECOND_GROUP } else { FIRST_GROUP };
         let top = y.saturating_sub(REACH);
@@ -92,7 +93,7 @@ impl Sweep<'_> {
             }
             let found = alike(compared, size, own, REACH, most);
             for (plane, sums) in sums.iter_mut().enumerate() {
-                let (patches, weight) = self.shrunk(plane, &found);
+                let (patches, weight) = self.shrunk(simd, plane, &found);
                 for (corner, patch) in found.iter().zip(patches) {
                     let first = (corner.y - top) * size.width + corner.x;
                     add_patch(&patch, weight, &mut sums[first..], size.width);
@@ -104,13 +105,13 @@ impl Sweep<'_> {
 
     /// The patches of `plane` at the `found` corners after shrinkage, and the weight of each.
     #[inline(always)]
-    fn shrunk(&self, plane: usize, found: &[Corner]) -> (Vec<Patch>, f32) {
-        let mut group = Group::new(patches_at(found, &self.noisy[plane], self.size));
+    fn shrunk<S: Simd>(&self, simd: S, plane: usize, found: &[Corner]) -> (Vec<Patch>, f32) {
+        let mut group = Group::new(simd, patches_at(found, &self.noisy[plane], self.size));
         let noise_left = match self.pilot {
             None => group.drop_below(THRESHOLD),
-            Some(pilot) => group.shrink_like(&Group::new(patches_at(found, &pilot[plane], self.size))),
+            Some(pilot) => group.shrink_like(&Group::new(simd, patches_at(found, &pilot[plane], self.size))),
         };
-        (group.into_patches(), 1.0 / noise_left)
+        (group.into_patches(simd), 1.0 / noise_left)
     }
 }
 
@@ -129,12 +130,12 @@ struct Row<'a> {
     y: usize,
 }
 
-impl pulp::NullaryFnOnce for Row<'_> {
+impl WithSimd for Row<'_> {
     type Output = Band;
 
     #[inline(always)]
-    fn call(self) -> Band {
-        self.sweep.band(self.y)
+    fn with_simd<S: Simd>(self, simd: S) -> Band {
+        self.sweep.band(simd, self.y)
     }
 }
 
