@@ -31,7 +31,7 @@ impl Corner {
 }
 
 /// The patches of `plane` nearest to that at `own`, at most `reach` away from it in each direction: as many as the
-/// greatest power of two up to `most` that there are, nearest first.
+/// greatest power of two up to `most` that there are, nearest first. That at `own` is the first, also among equals.
 #[inline(always)]
 pub fn alike(plane: &[f32], size: Size, own: Corner, reach: usize, most: usize) -> Vec<Corner> {
     let patch = own.patch(plane, size);
@@ -40,7 +40,8 @@ pub fn alike(plane: &[f32], size: Size, own: Corner, reach: usize, most: usize) 
     for y in around(own.y, size.height) {
         for x in around(own.x, size.width) {
             let corner = Corner { x, y };
-            distances.push((squared_distance(&patch, &corner.patch(plane, size)), corner));
+            let distance = if corner == own { -1.0 } else { squared_distance(&patch, &corner.patch(plane, size)) };
+            distances.push((distance, corner));
         }
     }
     let count = 1 << distances.len().min(most).ilog2();

@@ -42,6 +42,17 @@ fn pictures_down_to_one_patch_and_no_smaller() {
 }
 
 #[test]
+fn each_patch_is_in_its_own_group_among_equals_too() {
+    for plane in
+        block_matched(&[vec![0.0; SIZE.pixels()], vec![7.0; SIZE.pixels()]], &[true; SIZE.pixels()], SIZE).unwrap()
+    {
+        assert!(plane.iter().all(|v| (v - plane[0]).abs() < 1e-3), "some pixel is in no group");
+    }
+    let found = matching::alike(&[0.0; SIZE.pixels()], SIZE, Corner { x: 30, y: 20 }, REACH, FIRST_GROUP);
+    assert_eq!(found[0], Corner { x: 30, y: 20 });
+}
+
+#[test]
 fn far_from_what_is_wanted_noise_stays() {
     let noisy = TestNoise(5).normals(SIZE.pixels(), 2.0, 1.0);
     let wanted: Vec<bool> = (0..SIZE.pixels()).map(|i| i % SIZE.width < 8).collect();
