@@ -3,6 +3,8 @@
 
 mod support;
 
+use std::borrow::Cow;
+
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use reconstruct::completion::{CompletionSettings, complete};
 use stack::{FeatureRole, FeatureStack, Noise, Silent, Size};
@@ -33,7 +35,9 @@ fn completion(criterion: &mut Criterion) {
     let mut group = support::brief_group(criterion, "completion");
     group.throughput(Throughput::Elements(SIZE.pixels() as u64));
     for (name, stack) in [("features", &features), ("an eighth mirrors", &mirrors), ("colour alone", &colour)] {
-        group.bench_function(name, |bencher| bencher.iter(|| complete(stack, &CompletionSettings::DEFAULT, &Silent)));
+        group.bench_function(name, |bencher| {
+            bencher.iter(|| complete(Cow::Borrowed(stack), &CompletionSettings::DEFAULT, &Silent))
+        });
     }
     group.finish();
 }

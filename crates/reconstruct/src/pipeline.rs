@@ -42,7 +42,7 @@ pub fn reconstruct_with(
     extras: Extras,
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
-    let Completed { stack, lacks } = complete(stack, &settings.completion_for_method(), monitor)?;
+    let Completed { stack, lacks } = complete(Cow::Borrowed(stack), &settings.completion_for_method(), monitor)?;
     let rebuilt = if settings.method.is_collaborative() {
         collaborative(&stack, settings, chooser(settings)?.as_ref(), extras, monitor)?
     } else if extras.passes.is_empty() {
@@ -83,19 +83,23 @@ pub fn reconstruct_freeing(
     if !settings.method.is_collaborative() {
         return reconstruct_with(stack, settings, extras, monitor);
     }
-    let Completed { stack: completed, lacks } = complete(stack, &settings.completion_for_method(), monitor)?;
-    let made_up = match completed {
-        Cow::Borrowed(_) => None,
-        Cow::Owned(completed) => Some(completed),
-    };
-    let rebuilt = match made_up {
-        None => freeing(stack, settings, extras, monitor)?,
-        Some(mut completed) => {
-            (stack.components, stack.indirect, stack.gathered, stack.features) = Default::default();
-            freeing(&mut completed, settings, extras, monitor)?
-        }
-    };
-    Ok(Reconstruction { lacks, ..rebuilt })
+    let completed = complete(Cow::Owned(taken_from(stack)), &settings.completion_for_method(), monitor)?;
+    let rebuilt = freeing(&mut completed.stack.into_owned(), settings, extras, monitor)?;
+    Ok(Reconstruction { lacks: completed.lacks, ..rebuilt })
+}
+
+/// What is rebuilt of `stack`, which keeps the rest.
+fn taken_from(stack: &mut FeatureStack) -> FeatureStack {
+    FeatureStack {
+        window: stack.window,
+        film: stack.film,
+        samples: stack.samples.clone(),
+        components: std::mem::take(&mut stack.components),
+        indirect: stack.indirect.take(),
+        gathered: stack.gathered.take(),
+        features: std::mem::take(&mut stack.features),
+        passthrough: Vec::new(),
+    }
 }
 
 fn freeing(

@@ -1,9 +1,10 @@
 //! What a stack lacks, made up from what it has, so that every method can rebuild any stack.
 //!
-//! Most renderers' files say nothing about noise, and many hold no position. Steps, one file each: where nothing is known
-//! about the noise of colour it is measured on the picture (`noise`), by what a local fit (`local_fit`) leaves of each
-//! pixel; positions come from depth or, without it, from the screen (`place`). [`crate::recorruption`] makes half-buffers
-//! of a mean and its variance.
+//! Most renderers' files say nothing about noise, and many hold no position. Steps, one file each: without albedo the
+//! picture itself, freed of noise (`picture`), tells textures, everywhere or on mirrors (`mirrors`); positions come from
+//! depth or, without it, from the screen (`place`); where nothing is known about the noise of colour it is measured on the
+//! picture (`noise`), by what a local fit (`local_fit`) leaves of each pixel. [`crate::recorruption`] makes half-buffers of a
+//! mean and its variance.
 
 mod lack;
 mod local_fit;
@@ -63,19 +64,22 @@ pub struct Completed<'a> {
 /// # Errors
 /// When a feature does not fit its role or the stack.
 pub fn complete<'a>(
-    stack: &'a FeatureStack,
+    stack: Cow<'a, FeatureStack>,
     settings: &CompletionSettings,
     monitor: &dyn Monitor,
 ) -> Result<Completed<'a>, PrefilterError> {
     monitor.begin("completion", 1);
-    let mut completed = Completed { stack: Cow::Borrowed(stack), lacks: Vec::new() };
-    if stack.features.is_empty() {
+    let has = |role| stack.feature(role).is_some();
+    let [position, albedo] = [has(FeatureRole::Position), has(FeatureRole::Albedo)];
+    let mut completed = Completed { stack, lacks: Vec::new() };
+    if completed.stack.features.is_empty() {
         completed.lacks.push(Lack::FEATURES);
     }
-    completed.add_picture(settings);
-    completed.show_mirrored(settings);
+    if settings.picture_noise > 0.0 {
+        if albedo { completed.show_mirrored(settings)? } else { completed.add_picture(settings) }
+    }
     completed.measure_features(settings);
-    if stack.feature(FeatureRole::Position).is_none() {
+    if !position {
         completed.add_position(settings)?;
     }
     completed.measure_noise(settings)?;
@@ -86,9 +90,6 @@ pub fn complete<'a>(
 impl Completed<'_> {
     /// Where no albedo tells textures, the picture itself does, freed of noise.
     fn add_picture(&mut self, settings: &CompletionSettings) {
-        if self.stack.feature(FeatureRole::Albedo).is_some() || settings.picture_noise == 0.0 {
-            return;
-        }
         let everywhere = vec![true; self.stack.size().pixels()];
         let Some(mean) = without_noise(&self.stack.beauty(), &everywhere, settings.picture_noise) else { return };
         self.lacks_feature(Lack::ALBEDO);
@@ -99,30 +100,37 @@ impl Completed<'_> {
 
     /// Where albedo says nothing because a surface mirrors or refracts, the picture does, freed of noise. A renderer that tells
     /// of next surfaces has followed the light to where albedo does.
-    fn show_mirrored(&mut self, settings: &CompletionSettings) {
+    fn show_mirrored(&mut self, settings: &CompletionSettings) -> Result<(), PrefilterError> {
         let follows = self.stack.features.iter().any(|feature| feature.role.is_of_next_surface());
-        if follows || !settings.mirrors || settings.picture_noise == 0.0 || self.lacks.contains(&Lack::ALBEDO) {
-            return;
+        let feature = |role| self.stack.feature(role);
+        let (Some(albedo), Some(normal)) = (feature(FeatureRole::Albedo), feature(FeatureRole::Normal)) else {
+            return Ok(());
+        };
+        if follows || !settings.mirrors {
+            return Ok(());
         }
-        let mean = |role| self.stack.feature(role).map(|feature| &feature.estimate.mean);
-        let (Some(albedo), Some(normal)) = (mean(FeatureRole::Albedo), mean(FeatureRole::Normal)) else { return };
-        let marks = surfaces_without_texture(albedo, normal);
+        check(albedo, self.stack.size())?;
+        check(normal, self.stack.size())?;
+        let marks = surfaces_without_texture(&albedo.estimate.mean, &normal.estimate.mean);
         if !marks.contains(&true) {
-            return;
+            return Ok(());
         }
-        let Some(picture) = without_noise(&self.stack.beauty(), &marks, settings.picture_noise) else { return };
-        let noise = measured_roughness(&picture, settings);
-        let stand_in = Estimate { mean: picture, noise };
-        let stack = self.stack.to_mut();
-        let albedo = stack.features.iter_mut().find(|feature| feature.role == FeatureRole::Albedo);
-        let albedo = &mut albedo.expect("its mean was looked at").estimate;
-        let variance = albedo.variance_of_mean(&stack.samples);
-        replace(&mut albedo.mean, &stand_in.mean, &marks);
-        if let (Some(mut variance), Noise::VarianceOfMean(other)) = (variance, &stand_in.noise) {
-            replace(&mut variance, other, &marks);
-            albedo.noise = Noise::VarianceOfMean(variance);
+        let Some(picture) = without_noise(&self.stack.beauty(), &marks, settings.picture_noise) else { return Ok(()) };
+        let mut mean = albedo.estimate.mean.clone();
+        replace(&mut mean, &picture, &marks);
+        let noise = match albedo.estimate.variance_of_mean(&self.stack.samples) {
+            Some(mut variance) => {
+                replace(&mut variance, &measured_roughness(&picture, settings), &marks);
+                Noise::VarianceOfMean(variance)
+            }
+            None => Noise::Unknown,
+        };
+        let mut features = self.stack.to_mut().features.iter_mut();
+        if let Some(feature) = features.find(|feature| feature.role == FeatureRole::Albedo) {
+            feature.estimate = Estimate { mean, noise };
         }
         self.lacks.push(Lack::MIRRORED);
+        Ok(())
     }
 
     /// Tells of one feature, unless it was told that there is none.
@@ -138,7 +146,7 @@ impl Completed<'_> {
             Some(depth) => {
                 check(depth, size)?;
                 let mean = position_from_depth(&depth.estimate.mean);
-                let noise = measured_roughness(&mean, settings);
+                let noise = Noise::VarianceOfMean(measured_roughness(&mean, settings));
                 (Lack::POSITION, Estimate { mean, noise })
             }
             None => (Lack::PLACE, Estimate { mean: position_on_screen(size), noise: Noise::Unknown }),
@@ -153,7 +161,8 @@ impl Completed<'_> {
         if settings.feature_roughness > 0.0 && self.stack.features.iter().any(|f| f.estimate.noise == Noise::Unknown) {
             let features = self.stack.to_mut().features.iter_mut();
             for feature in features.filter(|feature| feature.estimate.noise == Noise::Unknown) {
-                feature.estimate.noise = measured_roughness(&feature.estimate.mean, settings);
+                let variance = measured_roughness(&feature.estimate.mean, settings);
+                feature.estimate.noise = Noise::VarianceOfMean(variance);
             }
         }
     }
@@ -181,17 +190,19 @@ impl Completed<'_> {
 /// Gives `image` the values of `other` where there are `marks`.
 fn replace(image: &mut Image, other: &Image, marks: &[bool]) {
     for (plane, other) in image.channels_mut().iter_mut().zip(other.channels()) {
-        for (value, (other, _)) in plane.iter_mut().zip(other.iter().zip(marks)).filter(|(_, (_, mark))| **mark) {
-            *value = *other;
+        for ((value, other), mark) in plane.iter_mut().zip(other).zip(marks) {
+            if *mark {
+                *value = *other;
+            }
         }
     }
 }
 
-/// The noise of a feature, as its roughness tells it.
-fn measured_roughness(mean: &Image, settings: &CompletionSettings) -> Noise {
+/// The variance of a feature, as its roughness tells it.
+fn measured_roughness(mean: &Image, settings: &CompletionSettings) -> Image {
     let mut variance = roughness(mean);
     variance.channels_mut().iter_mut().flatten().for_each(|v| *v *= settings.feature_roughness);
-    Noise::VarianceOfMean(variance)
+    variance
 }
 
 #[cfg(test)]

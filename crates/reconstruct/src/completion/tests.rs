@@ -10,7 +10,7 @@ use crate::{Method, Reconstruction, Settings, reconstruct};
 const SIZE: Size = Size::new(48, 48);
 
 fn completed(stack: &FeatureStack) -> Completed<'_> {
-    complete(stack, &CompletionSettings::DEFAULT, &Silent).unwrap()
+    complete(Cow::Borrowed(stack), &CompletionSettings::DEFAULT, &Silent).unwrap()
 }
 
 /// `stack` without anything known about noise, with the features that `keep` names.
@@ -67,7 +67,13 @@ fn every_lack_is_told() {
 fn the_picture_is_a_feature_where_there_is_no_albedo_unless_it_is_left_out() {
     let colour = poor(stack_of(&walls(SIZE), 2), &[]);
     let roles = |stack: &FeatureStack, settings: &CompletionSettings| -> Vec<FeatureRole> {
-        complete(stack, settings, &Silent).unwrap().stack.features.iter().map(|feature| feature.role).collect()
+        complete(Cow::Borrowed(stack), settings, &Silent)
+            .unwrap()
+            .stack
+            .features
+            .iter()
+            .map(|feature| feature.role)
+            .collect()
     };
     assert_eq!(roles(&colour, &CompletionSettings::DEFAULT), [FeatureRole::Position, FeatureRole::Albedo]);
     let normal = poor(stack_of(&walls(SIZE), 2), &[FeatureRole::Normal]);
@@ -75,7 +81,7 @@ fn the_picture_is_a_feature_where_there_is_no_albedo_unless_it_is_left_out() {
     assert_eq!(with_normal, [FeatureRole::Position, FeatureRole::Albedo, FeatureRole::Normal]);
     let without = CompletionSettings { picture_noise: 0.0, ..CompletionSettings::DEFAULT };
     assert_eq!(roles(&colour, &without), [FeatureRole::Position]);
-    assert_eq!(complete(&colour, &without, &Silent).unwrap().lacks, [Lack::FEATURES, Lack::NOISE]);
+    assert_eq!(complete(Cow::Borrowed(&colour), &without, &Silent).unwrap().lacks, [Lack::FEATURES, Lack::NOISE]);
 }
 
 #[test]
@@ -100,7 +106,7 @@ fn the_picture_stands_in_for_albedo_on_mirrors_only() {
 
     let left_out = CompletionSettings { mirrors: false, ..CompletionSettings::DEFAULT };
     let kept = |stack: &FeatureStack, settings| {
-        let completed = complete(stack, settings, &Silent).unwrap();
+        let completed = complete(Cow::Borrowed(stack), settings, &Silent).unwrap();
         completed.stack.feature(FeatureRole::Albedo).unwrap().estimate.mean == before
     };
     assert!(kept(&stack, &left_out));

@@ -21,6 +21,8 @@ pub(crate) mod settings;
 mod stakes;
 mod weights;
 
+use std::borrow::Cow;
+
 use stack::{Fault, FeatureStack, Image, Monitor, Silent, Size};
 
 use self::evidence::Evidence;
@@ -135,7 +137,7 @@ impl Hearing {
         check_guide(guide, stack.size())?;
         monitor.begin("guide", 1);
         // What was made up has been told when the picture was rebuilt.
-        let completed = complete(stack, &settings.completion_for_method(), &Silent)?;
+        let completed = complete(Cow::Borrowed(stack), &settings.completion_for_method(), &Silent)?;
         let evidence = Evidence::new(&completed.stack, &rebuilt.picture, &settings.best, &Within(monitor))?;
         let guide = sound(guide, &rebuilt.picture);
         let moments = Moments::new(&evidence, rebuilt, &guide);
