@@ -279,7 +279,7 @@ pub struct InfoArgs {
 pub struct ExperimentArgs {
     /// Which one.
     #[arg(value_enum)]
-    pub name: crate::experiment::Experiment,
+    pub name: crate::experiment::name::Experiment,
     /// Inputs: folders of bucket stacks, or scenes, as the experiment says.
     pub inputs: Vec<PathBuf>,
     /// Folder for the table, the pictures and the references.

@@ -20,6 +20,7 @@ pub mod exp;
 mod exposure;
 pub mod guide;
 mod indirect;
+mod lack;
 pub mod ln;
 mod lone_light;
 mod marks;
@@ -44,6 +45,7 @@ mod test_noise;
 pub mod variance;
 
 pub use best::Extras;
+pub use lack::Lack;
 pub use method::{Fit, Method, MethodSettings};
 pub use pipeline::{reconstruct, reconstruct_freeing, reconstruct_with, reconstruct_with_chooser};
 pub use reconstruction::{ReconstructError, Reconstruction};

@@ -2,7 +2,7 @@
 
 use stack::{Cancelled, Fault, Image};
 
-use crate::completion::Lack;
+use crate::lack::Lack;
 use crate::network::WeightsError;
 use crate::prefilter::PrefilterError;
 

@@ -3,8 +3,9 @@
 use std::ops::Range;
 
 use rayon::prelude::*;
-use stack::{Cancelled, Feature, FeatureRole, FeatureStack, Image, Monitor, SampleCounts, Size};
+use stack::{Cancelled, Feature, FeatureRole, FeatureStack, Monitor, SampleCounts, Size};
 
+use super::natural::{natural_scale, natural_variances};
 use super::next_surface::rebuilt_next_surface;
 use super::settings::{BestSettings, FeatureSettings};
 use crate::bands::rows_of;
@@ -13,10 +14,6 @@ use crate::completion::has_depth;
 use crate::nl_means::{nl_means, units};
 use crate::patch_distance::{Comparison, NoisyPlanes};
 use crate::prefilter::{FeatureSet, PrefilterError, VarianceSource, check, guides, normalised};
-use crate::variance::smoothed;
-
-/// Added to every variance: differences below its root are averaged away even where there is no noise.
-const LEAST_VARIANCE: f32 = 1e-6;
 
 /// Features that explain a picture, and those among them that tell surfaces apart.
 #[derive(Clone, Debug, PartialEq)]
@@ -89,18 +86,6 @@ pub fn guide_features(
         all.add(planes, true);
     }
     Ok(all)
-}
-
-/// Factor from a range of [−1, 1] to the natural one.
-pub fn natural_scale(role: FeatureRole) -> f32 {
-    if role == FeatureRole::Normal { 1.0 } else { 0.5 }
-}
-
-/// The `variance` of a feature on its natural `scale`, smoothed. `None` where nothing is known of it.
-pub fn natural_variances(variance: &Image, scale: f32, settings: &FeatureSettings) -> Option<Vec<Vec<f32>>> {
-    let mut variances = smoothed(variance, settings.variance_radius)?.into_channels();
-    variances.par_iter_mut().flatten().for_each(|v| *v = scale * scale * *v + LEAST_VARIANCE);
-    Some(variances)
 }
 
 fn filtered(

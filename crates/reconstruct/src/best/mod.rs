@@ -20,6 +20,7 @@ mod given;
 pub(crate) mod guided_kernel;
 pub(crate) mod halves;
 mod light_guide;
+mod natural;
 mod next_surface;
 mod passes;
 pub(crate) mod piloted;

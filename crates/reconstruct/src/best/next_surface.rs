@@ -4,8 +4,8 @@
 use stack::{Cancelled, Feature, Image, Monitor, SampleCounts};
 
 use super::crossed::Crossed;
-use super::features::{natural_scale, natural_variances};
 use super::halves::mean_of;
+use super::natural::{natural_scale, natural_variances};
 use super::settings::{BestSettings, FitSettings};
 use crate::per_pixel::plane;
 use crate::prefilter::{FeatureSet, VarianceSource, normalised, normalised_halves};

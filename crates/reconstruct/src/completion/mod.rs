@@ -6,7 +6,6 @@
 //! picture (`noise`), by what a local fit (`local_fit`) leaves of each pixel. [`crate::recorruption`] makes half-buffers of a
 //! mean and its variance.
 
-mod lack;
 mod local_fit;
 mod mirrors;
 mod noise;
@@ -18,8 +17,8 @@ use std::borrow::Cow;
 
 use stack::{Component, Estimate, Feature, FeatureRole, FeatureStack, Image, Monitor, Noise};
 
+use crate::lack::Lack;
 use crate::prefilter::{PrefilterError, check};
-pub use lack::Lack;
 use mirrors::surfaces_without_texture;
 use noise::measured_variance;
 use picture::without_noise;
