@@ -1,7 +1,6 @@
 //! The `tamis` command: parses, hands over to one module per subcommand, and turns errors into exit codes.
 
 mod args;
-mod batch;
 mod compare;
 mod denoise;
 mod experiment;

@@ -1,4 +1,4 @@
-//! `tamis denoise`: reconstructs an existing stack.
+//! One stack, from its files to what is written.
 
 use std::time::Instant;
 
@@ -6,51 +6,18 @@ use anyhow::Result;
 use clap::ArgMatches;
 use reconstruct::{Extras, Reconstruction, reconstruct_freeing, reconstruct_with};
 use serde_json::{Value, json};
-use stack::file::{FileError, Found, Inputs, Pass, ReadStack, Role, Source, StackHeader, read_inputs, survey};
+use stack::file::{FileError, Found, Inputs, Pass, ReadStack, Role, StackHeader, read_inputs, survey};
 use stack::{FeatureStack, Image, Noise};
 
 use crate::args::{DenoiseArgs, OutputArgs};
-use crate::failure::{Verdict, usage};
+use crate::failure::usage;
 use crate::guide::{Followed, Guide};
 use crate::memory::{self, Afterwards, Need, Plan};
 use crate::output::{Outputs, Written};
 use crate::progress::Progress;
+use crate::render;
 use crate::render::report::mean_radiance;
 use crate::settings::Settings;
-use crate::stdout::print_line;
-use crate::{batch, interrupt, render};
-
-/// Runs the command.
-pub fn run(args: &DenoiseArgs, matches: &ArgMatches) -> Result<Verdict> {
-    if args.output.output.is_empty() {
-        return Err(usage("denoise needs an output file: -o FILE"));
-    }
-    if let Some(jobs) = batch::jobs(args)? {
-        if args.guide.is_some() {
-            return Err(usage("--guide is one picture: denoise one stack at a time"));
-        }
-        return batch::run(args, matches, &jobs);
-    }
-    let task = Task { args, matches, inputs: inputs(args), output: args.output.clone() };
-    let outputs = task.prepare()?;
-    render::start_threads(&args.report)?;
-    interrupt::listen();
-    let report = task.run(&outputs, &Progress::new(&args.report))?;
-    if args.report.json {
-        print_line(report)?;
-    }
-    Ok(Verdict::Done)
-}
-
-/// The files of one stack, as the flags say.
-fn inputs(args: &DenoiseArgs) -> Inputs {
-    let files = args.input.iter().map(|text| Source::parse(text)).collect();
-    match (&args.half_a, &args.half_b) {
-        (Some(a), Some(b)) => Inputs::Halves([a.clone(), b.clone()], files),
-        _ if !args.buckets.is_empty() => Inputs::Buckets(args.buckets.clone()),
-        _ => Inputs::Files(files),
-    }
-}
 
 /// One stack to denoise.
 pub struct Task<'a> {

@@ -8,8 +8,8 @@ use clap::ArgMatches;
 use serde_json::{Value, json};
 use stack::file::{Inputs, Source, is_one_stack};
 
+use super::task::Task;
 use crate::args::{DenoiseArgs, OutputArgs, ReportArgs};
-use crate::denoise::Task;
 use crate::failure::{Verdict, usage};
 use crate::progress::Progress;
 use crate::stdout::print_line;
