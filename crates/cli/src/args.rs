@@ -2,14 +2,14 @@
 
 use std::path::PathBuf;
 
-use clap::{Arg, ArgMatches, Args, Command, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
+use clap::{Arg, ArgMatches, Args, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
 use stack::Knobs;
 use stack::file::{Convention, Mapping, ReadOptions};
 
 use crate::failure::usage;
 use crate::memory::Bytes;
 use crate::options::{Crop, PictureSize, Shutter, Sky, Triple};
-use crate::settings::Settings;
+use crate::settings::{Preset, Settings};
 
 /// Renders a scene on the CPU, or denoises another renderer's feature stack.
 #[derive(Debug, Parser)]
@@ -65,19 +65,6 @@ pub struct OutputArgs {
     /// Exposure of the .png in stops [default: chosen from the picture].
     #[arg(long, value_name = "EV", allow_negative_numbers = true)]
     pub exposure: Option<f32>,
-}
-
-/// Settings to start from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Preset {
-    /// Two passes of collaborative regression.
-    #[default]
-    Best,
-    /// `best` with fewer fits in smaller windows.
-    Fast,
-    /// The paper to the letter.
-    Paper,
 }
 
 /// How the picture is reconstructed.
@@ -354,15 +341,6 @@ pub fn parse() -> (Cli, ArgMatches) {
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     let (_, own) = matches.subcommand().map_or(("", ArgMatches::default()), |(name, own)| (name, own.clone()));
     (cli, own)
-}
-
-/// The knobs that were given as flags, as (flag, value).
-pub fn given_knobs(matches: &ArgMatches) -> Vec<(String, String)> {
-    let given = |knob: stack::Knob| {
-        let value = matches.try_get_one::<String>(&knob.flag).ok().flatten()?.clone();
-        Some((knob.flag, value))
-    };
-    Settings::describe().into_iter().filter_map(given).collect()
 }
 
 #[cfg(test)]

@@ -1,14 +1,25 @@
 //! All settings of a picture, from preset, file and flags.
 
 use anyhow::Result;
-use clap::ArgMatches;
+use clap::{ArgMatches, ValueEnum};
 use reconstruct::Fit;
 use reconstruct::adaptive::AdaptiveSettings;
 use reconstruct::best::BestSettings;
 use stack::Knobs;
 use tracer::integrator::TraceSettings;
 
-use crate::args::{Preset, given_knobs};
+/// Settings to start from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Preset {
+    /// Two passes of collaborative regression.
+    #[default]
+    Best,
+    /// `best` with fewer fits in smaller windows.
+    Fast,
+    /// The paper to the letter.
+    Paper,
+}
 
 stack::knobs! {
     /// How the loop is divided.
@@ -75,8 +86,10 @@ impl Settings {
     /// # Errors
     /// The first value that cannot be read or is out of range.
     pub fn override_by(&mut self, matches: &ArgMatches) -> Result<()> {
-        for (flag, value) in given_knobs(matches) {
-            if let Some(outcome) = self.set(&flag, &value) {
+        for knob in Self::describe() {
+            if let Some(value) = matches.try_get_one::<String>(&knob.flag).ok().flatten()
+                && let Some(outcome) = self.set(&knob.flag, value)
+            {
                 outcome?;
             }
         }

@@ -7,9 +7,9 @@ use reconstruct::metrics::{Comparison, Reference, compare};
 use stack::file::{FileError, ReadStack, read_buckets, read_picture, read_stack};
 use stack::{FeatureStack, Image, Knobs};
 
-use crate::args::{ExperimentArgs, Preset};
+use crate::args::ExperimentArgs;
 use crate::failure::usage;
-use crate::settings::Settings;
+use crate::settings::{Preset, Settings};
 
 /// A stack of buckets with two references.
 pub struct Case {

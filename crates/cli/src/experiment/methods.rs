@@ -15,10 +15,11 @@ use super::oidn::{self, NAMES};
 use super::reference::references;
 use super::scenes::Stage;
 use super::table::{Table, maybe};
-use crate::args::{ExperimentArgs, Preset};
+use crate::args::ExperimentArgs;
 use crate::exposure;
 use crate::output::write_with_png;
 use crate::progress::Progress;
+use crate::settings::Preset;
 
 /// Every method there is, and `best` for all light at once.
 pub const METHODS: &[Entry] = &[

@@ -6,8 +6,9 @@ use reconstruct::{Reconstruction, reconstruct};
 
 use super::case::{Case, Flags, settings};
 use super::table::{Table, maybe};
-use crate::args::{ExperimentArgs, Preset};
+use crate::args::ExperimentArgs;
 use crate::progress::Progress;
+use crate::settings::Preset;
 
 /// A name and the flags that make it of the paper's settings.
 type Variant = (&'static str, Flags);

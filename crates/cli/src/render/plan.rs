@@ -8,10 +8,10 @@ use stack::{Knobs, Size, Window};
 use tracer::scene::{RawRender, nearest_name};
 
 use super::adaptive_loop::Budget;
-use crate::args::{Preset, RenderArgs};
+use crate::args::RenderArgs;
 use crate::failure::usage;
 use crate::options::PictureSize;
-use crate::settings::Settings;
+use crate::settings::{Preset, Settings};
 
 /// Size of a picture when neither flag nor scene says.
 const SIZE: Size = Size::new(512, 512);

@@ -12,9 +12,9 @@ use self::level::Level;
 use super::calibration::{Judged, calibrate};
 use super::case::{Case, Entry, settings};
 use super::table::{Table, maybe, short};
-use crate::args::{ExperimentArgs, Preset};
+use crate::args::ExperimentArgs;
 use crate::progress::Progress;
-use crate::settings::Settings;
+use crate::settings::{Preset, Settings};
 
 /// Methods that are set beside what was asked for.
 const RIVALS: &[Entry] = &[

@@ -7,8 +7,8 @@ use super::measures::{
     PREFILTER_SECONDS, RANK, REDUCE_SECONDS, REGRESSION_SECONDS, SECONDS, SIGNAL, SPIKE_SECONDS, SSIM, SURFACES_ERROR,
     TOO_BRIGHT, TRIMMED, VISIBILITY_ERROR,
 };
-use crate::args::Preset::Paper;
 use crate::experiment::case::Entry;
+use crate::settings::Preset::Paper;
 
 const OURS: Entry = ("ours", Paper, &[]);
 const WLR: Entry = ("wlr", Paper, &[("method", "wlr")]);

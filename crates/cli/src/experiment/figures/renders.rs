@@ -6,7 +6,7 @@ use anyhow::Result;
 use reconstruct::metrics::Comparison;
 
 use super::subject::Subject;
-use crate::args::{ExperimentArgs, Preset};
+use crate::args::ExperimentArgs;
 use crate::experiment::case::{Entry, settings};
 use crate::experiment::methods::METHODS;
 use crate::experiment::scenes::Stage;
@@ -14,6 +14,7 @@ use crate::experiment::table::{Table, maybe};
 use crate::output::write_png;
 use crate::progress::Progress;
 use crate::render::{Budget, Finished};
+use crate::settings::Preset;
 
 const LD: Entry = ("ld", Preset::Paper, &[("method", "ld")]);
 

@@ -6,9 +6,9 @@ use reconstruct::reconstruct;
 use reconstruct::recorruption::recorrupted_halves;
 use stack::{ComponentRole, Image};
 
-use crate::args::Preset;
 use crate::experiment::case::{Case, settings};
 use crate::progress::Progress;
+use crate::settings::Preset;
 
 /// A guide.
 pub struct Kind {
