@@ -2,6 +2,7 @@
 
 use stack::{Image, Size};
 
+use crate::collaborative::offsets;
 use crate::eight::{LANES, Lanes};
 use crate::per_pixel::{ByEight, Pixels, plane, planes_by_eight};
 
@@ -9,7 +10,7 @@ use crate::per_pixel::{ByEight, Pixels, plane, planes_by_eight};
 const FACTOR: f32 = 2.0;
 
 /// … within this many pixels.
-const RADIUS: isize = 2;
+const RADIUS: usize = 2;
 
 /// Least luminance that anything is cut at.
 const LEAST_CAP: f32 = 1e-4;
@@ -31,18 +32,16 @@ impl ByEight<1> for Shares<'_> {
     #[inline(always)]
     fn numbers(&self, pixels: Pixels) -> [Lanes; 1] {
         let (mut largest, mut second) = ([f32::NEG_INFINITY; LANES], [f32::NEG_INFINITY; LANES]);
-        for dy in -RADIUS..=RADIUS {
-            for dx in -RADIUS..=RADIUS {
-                if [dx, dy] == [0, 0] {
-                    continue;
-                }
-                let near = pixels.moved(dy * self.size.width as isize + dx, self.luminance);
-                let inside = pixels.inside(self.size, [dx, dy]);
-                for lane in 0..LANES {
-                    let near = if inside[lane] > 0.0 { near[lane] } else { f32::NEG_INFINITY };
-                    second[lane] = second[lane].max(near.min(largest[lane]));
-                    largest[lane] = largest[lane].max(near);
-                }
+        for offset in offsets(RADIUS) {
+            if offset == [0, 0] {
+                continue;
+            }
+            let near = pixels.moved(self.luminance, self.size, offset);
+            let inside = pixels.inside(self.size, offset);
+            for lane in 0..LANES {
+                let near = if inside[lane] > 0.0 { near[lane] } else { f32::NEG_INFINITY };
+                second[lane] = second[lane].max(near.min(largest[lane]));
+                largest[lane] = largest[lane].max(near);
             }
         }
         let own = pixels.of(self.luminance);

@@ -59,9 +59,11 @@ impl Pixels {
         values
     }
 
-    /// The numbers in `plane` of the pixels `by` places after them; zeros where there are none.
+    /// The numbers in `plane`, of `size`, of the pixels so many columns and rows away. Where [`Self::inside`] is 0 they are
+    /// some others' or zeros.
     #[inline(always)]
-    pub fn moved(self, by: isize, plane: &[f32]) -> Lanes {
+    pub fn moved(self, plane: &[f32], size: Size, [dx, dy]: [isize; 2]) -> Lanes {
+        let by = dy * size.width as isize + dx;
         let first = self.first.checked_add_signed(by);
         if let Some(eight) = first.and_then(|first| plane.get(first..)).and_then(|rest| rest.first_chunk()) {
             return *eight;
@@ -77,13 +79,15 @@ impl Pixels {
     /// 1 for each of them that is inside a picture of `size` when moved by so many columns and rows, 0 for the others.
     #[inline(always)]
     pub fn inside(self, size: Size, [dx, dy]: [isize; 2]) -> Lanes {
+        let is_inside = |at: usize, by, length| at.checked_add_signed(by).is_some_and(|at| at < length);
+        let (mut x, mut y) = (self.first % size.width, self.first / size.width);
         let mut inside = [0.0; LANES];
-        for (i, inside) in inside.iter_mut().enumerate() {
-            let pixel = self.first + i;
-            let x = (pixel % size.width).checked_add_signed(dx);
-            let y = (pixel / size.width).checked_add_signed(dy);
-            let is_inside = x.is_some_and(|x| x < size.width) && y.is_some_and(|y| y < size.height);
-            *inside = f32::from(u8::from(is_inside && i < self.count));
+        for inside in &mut inside[..self.count] {
+            *inside = f32::from(u8::from(is_inside(x, dx, size.width) && is_inside(y, dy, size.height)));
+            x += 1;
+            if x == size.width {
+                (x, y) = (0, y + 1);
+            }
         }
         inside
     }
@@ -167,7 +171,7 @@ mod tests {
     impl ByEight<2> for Moved<'_> {
         fn numbers(&self, pixels: Pixels) -> [Lanes; 2] {
             let Self(size, by, plane) = self;
-            [pixels.moved(by[1] * size.width as isize + by[0], plane), pixels.inside(*size, *by)]
+            [pixels.moved(plane, *size, *by), pixels.inside(*size, *by)]
         }
     }
 

@@ -84,7 +84,7 @@ pub fn reconstruct_freeing(
         return reconstruct_with(stack, settings, extras, monitor);
     }
     let completed = complete(Cow::Owned(taken_from(stack)), &settings.completion_for_method(), monitor)?;
-    let rebuilt = freeing(&mut completed.stack.into_owned(), settings, extras, monitor)?;
+    let rebuilt = freeing(completed.stack.into_owned(), settings, extras, monitor)?;
     Ok(Reconstruction { lacks: completed.lacks, ..rebuilt })
 }
 
@@ -102,19 +102,20 @@ fn taken_from(stack: &mut FeatureStack) -> FeatureStack {
     }
 }
 
+/// Frees what no step needs any more.
 fn freeing(
-    stack: &mut FeatureStack,
+    mut stack: FeatureStack,
     settings: &Settings,
     extras: Extras,
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
-    let features = best::guide_features(stack, &settings.best, monitor)?;
+    let features = best::guide_features(&stack, &settings.best, monitor)?;
     stack.features.clear();
     let mut components = std::mem::take(&mut stack.components);
-    let mut indirect = IndirectLight::taken_from(stack, settings.best.light.gathered);
+    let mut indirect = IndirectLight::taken_from(&mut stack, settings.best.light.gathered);
     let chooser = chooser(settings)?;
     let exposure = exposure(&components, &settings.best.light);
-    let task = Collaborative::new(stack, &features, settings, chooser.as_ref(), extras, exposure)?;
+    let task = Collaborative::new(&stack, &features, settings, chooser.as_ref(), extras, exposure)?;
     let mut sum = Reconstruction::plain(Image::zeros(stack.size(), 3));
     // The last first: emission is soon done with.
     while let Some(component) = components.pop() {

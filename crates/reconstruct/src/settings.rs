@@ -17,7 +17,7 @@ stack::knob_groups! {
     pub struct Settings {
         /// Which method is used.
         method: MethodSettings,
-        /// How noise is measured where a stack does not know it.
+        /// How what a stack lacks is made up.
         completion: CompletionSettings,
         /// How spikes are found and replaced.
         spikes: SpikeSettings,

@@ -2,7 +2,7 @@
 
 use stack::Size;
 
-use crate::collaborative::FEATURES;
+use crate::collaborative::{FEATURES, offsets};
 use crate::eight::{LANES, Lanes};
 use crate::exp::exp_of_negative;
 use crate::per_pixel::Pixels;
@@ -28,30 +28,8 @@ pub struct LocalFit<'a> {
     pub ridge: f32,
 }
 
-/// A pixel of a window, as seen from the centre.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Offset {
-    /// Columns to the right.
-    pub x: isize,
-    /// Rows down.
-    pub y: isize,
-}
-
-impl Offset {
-    /// By how much the number of that pixel is greater, in a picture of `width`.
-    pub fn places(self, width: usize) -> isize {
-        self.y * width as isize + self.x
-    }
-}
-
 impl LocalFit<'_> {
-    /// The pixels of a window, row by row.
-    pub fn offsets(&self) -> impl Iterator<Item = Offset> {
-        let radius = self.radius as isize;
-        (-radius..=radius).flat_map(move |y| (-radius..=radius).map(move |x| Offset { x, y }))
-    }
-
-    /// The weight that each pixel of the windows around `pixels`, in the order of [`Self::offsets`], has in the fit's value at
+    /// The weight that each pixel of the windows around `pixels`, in the order of [`offsets`], has in the fit's value at
     /// the centre: the equivalent kernel l = w X (XᵀWX + λ)⁻¹ e₁ of ridge regression. Weights add up to 1; outside the picture
     /// they are 0.
     #[inline(always)]
@@ -59,7 +37,7 @@ impl LocalFit<'_> {
         let count = 3 + self.planes.len();
         let mut kernels = Vec::with_capacity((2 * self.radius + 1).pow(2));
         let mut matrix = [[[0.0; LANES]; TERMS]; TERMS];
-        for offset in self.offsets() {
+        for offset in offsets(self.radius) {
             let terms = self.terms(pixels, offset);
             let weight = self.likeness(pixels, offset, &terms);
             for i in 0..count {
@@ -82,7 +60,7 @@ impl LocalFit<'_> {
             }
         }
         let solution = first_columns_of_inverses(&mut matrix, count);
-        for (offset, kernel) in self.offsets().zip(&mut kernels) {
+        for (offset, kernel) in offsets(self.radius).zip(&mut kernels) {
             let terms = self.terms(pixels, offset);
             let mut value = [0.0; LANES];
             for (solution, terms) in solution.iter().zip(&terms).take(count) {
@@ -99,8 +77,8 @@ impl LocalFit<'_> {
 
     /// What pixels of given `terms` count by; outside the picture 0.
     #[inline(always)]
-    fn likeness(&self, pixels: Pixels, offset: Offset, terms: &Terms) -> Lanes {
-        let inside = pixels.inside(self.size, [offset.x, offset.y]);
+    fn likeness(&self, pixels: Pixels, offset: [isize; 2], terms: &Terms) -> Lanes {
+        let inside = pixels.inside(self.size, offset);
         let mut squares = [0.0; LANES];
         for term in &terms[3..3 + self.planes.len()] {
             for lane in 0..LANES {
@@ -116,15 +94,14 @@ impl LocalFit<'_> {
 
     /// Differences from the centre, which itself is (1, 0, 0 …).
     #[inline(always)]
-    fn terms(&self, pixels: Pixels, offset: Offset) -> Terms {
+    fn terms(&self, pixels: Pixels, offset: [isize; 2]) -> Terms {
         let unit = 0.5 / self.radius as f32;
         let mut terms = [[0.0; LANES]; TERMS];
         terms[0] = [1.0; LANES];
-        terms[1] = [offset.x as f32 * unit; LANES];
-        terms[2] = [offset.y as f32 * unit; LANES];
-        let places = offset.places(self.size.width);
+        terms[1] = [offset[0] as f32 * unit; LANES];
+        terms[2] = [offset[1] as f32 * unit; LANES];
         for (term, plane) in terms[3..].iter_mut().zip(self.planes) {
-            let (near, own) = (pixels.moved(places, plane), pixels.of(plane));
+            let (near, own) = (pixels.moved(plane, self.size, offset), pixels.of(plane));
             for lane in 0..LANES {
                 term[lane] = near[lane] - own[lane];
             }
@@ -200,8 +177,8 @@ mod tests {
         let of = |pixel: usize| {
             let (x, y) = ((pixel % SIZE.width) as isize, (pixel / SIZE.width) as isize);
             let mut kernel = Vec::new();
-            for (offset, weights) in fit.offsets().zip(&weights) {
-                let (x, y) = (x + offset.x, y + offset.y);
+            for ([dx, dy], weights) in offsets(fit.radius).zip(&weights) {
+                let (x, y) = (x + dx, y + dy);
                 if (0..SIZE.width as isize).contains(&x) && (0..SIZE.height as isize).contains(&y) {
                     kernel.push((SIZE.index(x as usize, y as usize), weights[pixel]));
                 } else {

@@ -27,7 +27,7 @@ use place::{position_from_depth, position_on_screen};
 use roughness::roughness;
 
 stack::knobs! {
-    /// How noise is measured on a picture of which nothing else is known.
+    /// How what a stack lacks is made up.
     pub struct CompletionSettings("completion") {
         /// Radius of the windows in which noise is what a local fit does not explain, in pixels.
         noise_radius: usize = 2, 1..=8;
@@ -68,17 +68,18 @@ pub fn complete<'a>(
     monitor: &dyn Monitor,
 ) -> Result<Completed<'a>, PrefilterError> {
     monitor.begin("completion", 1);
-    let has = |role| stack.feature(role).is_some();
-    let [position, albedo] = [has(FeatureRole::Position), has(FeatureRole::Albedo)];
     let mut completed = Completed { stack, lacks: Vec::new() };
     if completed.stack.features.is_empty() {
         completed.lacks.push(Lack::FEATURES);
     }
     if settings.picture_noise > 0.0 {
-        if albedo { completed.show_mirrored(settings)? } else { completed.add_picture(settings) }
+        match completed.stack.feature(FeatureRole::Albedo) {
+            Some(_) => completed.show_mirrored(settings)?,
+            None => completed.add_picture(settings),
+        }
     }
     completed.measure_features(settings);
-    if !position {
+    if completed.stack.feature(FeatureRole::Position).is_none() {
         completed.add_position(settings)?;
     }
     completed.measure_noise(settings)?;

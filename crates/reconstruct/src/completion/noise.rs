@@ -8,6 +8,7 @@ use super::local_fit::LocalFit;
 use super::place::has_depth;
 use super::roughness::roughness_of_light;
 use crate::box_filter::box_mean;
+use crate::collaborative::offsets;
 use crate::eight::{LANES, Lanes};
 use crate::lone_light::share_like_neighbours;
 use crate::per_pixel::{ByEight, Pixels, planes_by_eight};
@@ -92,16 +93,15 @@ impl ByEight<3> for SquaredResiduals<'_> {
     fn numbers(&self, pixels: Pixels) -> [Lanes; 3] {
         let mut residuals = [[0.0; LANES]; 3];
         let mut norm = [0.0; LANES];
-        for (offset, kernel) in self.fit.offsets().zip(self.fit.equivalent_kernels(pixels)) {
-            let places = offset.places(self.fit.size.width);
-            let own = if places == 0 { 1.0 } else { 0.0 };
+        for (offset, kernel) in offsets(self.fit.radius).zip(self.fit.equivalent_kernels(pixels)) {
+            let own = if offset == [0, 0] { 1.0 } else { 0.0 };
             let mut left = [0.0; LANES];
             for lane in 0..LANES {
                 left[lane] = own - kernel[lane];
                 norm[lane] += left[lane] * left[lane];
             }
             for (residual, plane) in residuals.iter_mut().zip(self.light.channels()) {
-                let light = pixels.moved(places, plane);
+                let light = pixels.moved(plane, self.fit.size, offset);
                 for lane in 0..LANES {
                     residual[lane] += left[lane] * light[lane];
                 }

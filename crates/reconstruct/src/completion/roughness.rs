@@ -1,9 +1,10 @@
 //! How much neighbouring pixels differ beyond lines and edges.
 
-use std::ops::Range;
-
 use rayon::prelude::*;
 use stack::{Image, Size};
+
+use crate::bands::{bands, image_rows};
+use crate::box_filter::box_mean;
 
 /// Lines through a pixel: along rows, columns and both diagonals.
 const DIRECTIONS: [[isize; 2]; 4] = [[1, 0], [0, 1], [1, 1], [1, -1]];
@@ -36,122 +37,77 @@ pub fn roughness_of_light(image: &Image) -> Roughness {
     roughness_over(image, |before, own, after| (0.25 * (before + 2.0 * own + after)).powi(2) + DARK)
 }
 
-/// Rows that one task works on.
+/// Rows that one task works on: its planes, one per direction and channel, stay in the cache.
 const ROWS: usize = 16;
+
+/// A pixel's value depends on rows this far away: those of its window, and their neighbours.
+const MARGIN: usize = 2;
 
 fn roughness_over(image: &Image, scale: impl Fn(f32, f32, f32) -> f32 + Sync) -> Roughness {
     let (size, channels) = (image.size(), image.channels().len());
-    let mut planes = vec![vec![0.0; size.pixels()]; 2 * channels];
-    let mut rest: Vec<_> = planes.iter_mut().map(|plane| plane.chunks_mut((ROWS * size.width).max(1))).collect();
-    let tasks: Vec<Vec<&mut [f32]>> =
-        (0..size.height.div_ceil(ROWS)).map(|_| rest.iter_mut().filter_map(Iterator::next).collect()).collect();
-    tasks.into_par_iter().enumerate().for_each(|(number, mut task)| {
-        let (variance, scales) = task.split_at_mut(channels);
-        let first = number * ROWS;
-        let rows = first..(first + ROWS).min(size.height);
-        let mut least = vec![f32::INFINITY; rows.len() * size.width];
-        for direction in DIRECTIONS {
-            let along: Vec<Along> =
-                image.channels().iter().map(|plane| Along::new(plane, size, direction, rows.clone(), &scale)).collect();
-            for (pixel, least) in least.iter_mut().enumerate() {
-                let total: f32 = along.iter().map(|along| along.squares[pixel]).sum();
-                // The first direction counts where none is known.
-                if total < *least || direction == DIRECTIONS[0] {
-                    *least = if total.is_nan() { f32::INFINITY } else { total };
-                    for (c, along) in along.iter().enumerate() {
-                        variance[c][pixel] = along.squares[pixel] * along.scales[pixel] / LEAST_OF_WHITE;
-                        scales[c][pixel] = along.scales[pixel];
-                    }
-                }
-            }
-        }
+    let bands = bands(size.height, ROWS, MARGIN);
+    let parts: Vec<Roughness> =
+        bands.par_iter().map(|band| roughness_of_part(&image_rows(image, &band.around), &scale)).collect();
+    let mut whole = Roughness { variance: Image::zeros(size, channels), scale: Image::zeros(size, channels) };
+    for (band, part) in bands.iter().zip(parts) {
+        band.put(&part.variance, &mut whole.variance);
+        band.put(&part.scale, &mut whole.scale);
+    }
+    whole
+}
+
+fn roughness_of_part(part: &Image, scale: &impl Fn(f32, f32, f32) -> f32) -> Roughness {
+    let (size, channels) = (part.size(), part.channels().len());
+    // For each direction and channel the means of squares, and what differences are relative to.
+    let along: [Vec<[Vec<f32>; 2]>; 4] = DIRECTIONS.map(|direction| {
+        let of_plane = |plane: &Vec<f32>| {
+            let [squares, scales] = second_differences(plane, size, direction, scale);
+            [box_mean(&squares, size, 1), scales]
+        };
+        part.channels().iter().map(of_plane).collect()
     });
-    let scale = planes.split_off(channels);
-    Roughness { variance: Image::from_channels(size, planes), scale: Image::from_channels(size, scale) }
-}
-
-/// Differences along one direction in some rows of a plane.
-struct Along {
-    /// Their squares, means over 3×3 pixels; NaN where none is known.
-    squares: Vec<f32>,
-    /// What each was taken relative to.
-    scales: Vec<f32>,
-}
-
-impl Along {
-    fn new(
-        plane: &[f32],
-        size: Size,
-        direction: [isize; 2],
-        rows: Range<usize>,
-        scale: &impl Fn(f32, f32, f32) -> f32,
-    ) -> Self {
-        let width = size.width;
-        let around = rows.start.saturating_sub(1)..(rows.end + 1).min(size.height);
-        let mut squares = vec![f32::NAN; around.len() * width];
-        let mut scales = vec![0.0; around.len() * width];
-        let mut across = vec![[0.0; 2]; around.len() * width];
-        for (i, y) in around.clone().enumerate() {
-            let row = i * width..(i + 1) * width;
-            second_differences(plane, size, direction, y, scale, &mut squares[row.clone()], &mut scales[row.clone()]);
-            known_sums(&squares[row.clone()], &mut across[row]);
-        }
-        let mut means = Vec::with_capacity(rows.len() * width);
-        for y in rows.clone() {
-            let three = y.saturating_sub(1).max(around.start) - around.start..(y + 2).min(around.end) - around.start;
-            let first = means.len();
-            means.resize(first + width, 0.0);
-            for x in 0..width {
-                let (mut sum, mut count) = (0.0, 0.0);
-                for i in three.clone() {
-                    sum += across[i * width + x][0];
-                    count += across[i * width + x][1];
-                }
-                means[first + x] = if count > 0.0 { sum / count } else { f32::NAN };
+    let mut smoothest = vec![0; size.pixels()];
+    for (pixel, smoothest) in smoothest.iter_mut().enumerate() {
+        let mut least = f32::INFINITY;
+        for (direction, along) in along.iter().enumerate() {
+            let total: f32 = along.iter().map(|[squares, _]| squares[pixel]).sum();
+            if total < least {
+                (least, *smoothest) = (total, direction);
             }
         }
-        scales.drain(..(rows.start - around.start) * width);
-        scales.truncate(rows.len() * width);
-        Self { squares: means, scales }
+    }
+    let image_of = |value: &dyn Fn(&[Vec<f32>; 2], usize) -> f32| {
+        let plane = |c: usize| smoothest.iter().enumerate().map(|(pixel, d)| value(&along[*d][c], pixel)).collect();
+        Image::from_channels(size, (0..channels).map(plane).collect())
+    };
+    Roughness {
+        variance: image_of(&|[squares, scales], pixel| squares[pixel] * scales[pixel] / LEAST_OF_WHITE),
+        scale: image_of(&|[_, scales], pixel| scales[pixel]),
     }
 }
 
-/// Sums of three values side by side that are known, and how many they are.
-fn known_sums(values: &[f32], sums: &mut [[f32; 2]]) {
-    for (x, sum) in sums.iter_mut().enumerate() {
-        *sum = [0.0; 2];
-        for value in &values[x.saturating_sub(1)..(x + 2).min(values.len())] {
-            let known = if value.is_nan() { [0.0; 2] } else { [*value, 1.0] };
-            *sum = [sum[0] + known[0], sum[1] + known[1]];
-        }
-    }
-}
-
-/// For row `y`, a sixth of the squared second difference along a direction over its `scale`, NaN where a neighbour is
-/// missing or not finite; and that scale, the pixel's own where a neighbour is missing.
+/// A sixth of the squared second difference along a direction over its `scale`, NaN where a neighbour is missing or not
+/// finite; and that scale, the pixel's own where a neighbour is missing.
 fn second_differences(
     plane: &[f32],
     size: Size,
     [dx, dy]: [isize; 2],
-    y: usize,
     scale: &impl Fn(f32, f32, f32) -> f32,
-    squares: &mut [f32],
-    scales: &mut [f32],
-) {
-    let row = |y: usize| (y < size.height).then(|| &plane[y * size.width..][..size.width]);
-    let own = &plane[y * size.width..][..size.width];
-    scales.iter_mut().zip(own).for_each(|(to, own)| *to = scale(*own, *own, *own));
-    let (before, after) = (y.checked_add_signed(-dy).and_then(row), y.checked_add_signed(dy).and_then(row));
-    let (Some(before), Some(after)) = (before, after) else { return };
-    let margin = dx.unsigned_abs();
-    let inner = margin..size.width.saturating_sub(margin).max(margin);
-    for x in inner {
-        let (before, after) = (before[x.wrapping_add_signed(-dx)], after[x.wrapping_add_signed(dx)]);
-        let scale = scale(before, own[x], after);
-        let square = (before - 2.0 * own[x] + after).powi(2) / (6.0 * scale);
-        squares[x] = if square.is_finite() { square } else { f32::NAN };
-        scales[x] = scale;
+) -> [Vec<f32>; 2] {
+    let mut squares = vec![f32::NAN; plane.len()];
+    let mut scales: Vec<f32> = plane.iter().map(|own| scale(*own, *own, *own)).collect();
+    let [across, down] = [dx, dy].map(isize::unsigned_abs);
+    let step = dy * size.width as isize + dx;
+    for y in down..size.height.saturating_sub(down) {
+        for pixel in y * size.width + across..((y + 1) * size.width).saturating_sub(across) {
+            let (before, after) = (plane[pixel.wrapping_add_signed(-step)], plane[pixel.wrapping_add_signed(step)]);
+            let scale = scale(before, plane[pixel], after);
+            let square = (before - 2.0 * plane[pixel] + after).powi(2) / (6.0 * scale);
+            squares[pixel] = if square.is_finite() { square } else { f32::NAN };
+            scales[pixel] = scale;
+        }
     }
+    [squares, scales]
 }
 
 #[cfg(test)]
@@ -169,6 +125,13 @@ mod tests {
     fn white_noise_has_its_variance() {
         let noisy = Image::from_channels(SIZE, vec![TestNoise(5).normals(SIZE.pixels(), 3.0, 0.2)]);
         assert!((mean(&roughness(&noisy)) / 0.04 - 1.0).abs() < 0.1);
+    }
+
+    #[test]
+    fn bands_have_no_seams() {
+        let noisy = Image::from_channels(SIZE, vec![TestNoise(9).normals(SIZE.pixels(), 3.0, 0.2)]);
+        let whole = roughness_of_part(&noisy, &|_, _, _| 1.0).variance;
+        assert_eq!(roughness(&noisy), whole);
     }
 
     #[test]
