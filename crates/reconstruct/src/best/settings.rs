@@ -162,7 +162,7 @@ stack::knobs! {
         /// How many of them, the finest, are kept all the same.
         trusted: usize = 2, 0..=10;
         /// Multiple of a difference's variance that its square must exceed.
-        significance: f32 = 1.5, 0.0..=1000.0;
+        significance: f32 = 3.0, 0.0..=1000.0;
         /// Multiple of the share of signal in it that a difference counts by, at most in full: where most of it is
         /// signal, nothing is lost.
         gain: f32 = 2.0, 0.0..=1000.0;

@@ -1,10 +1,13 @@
 //! What the halves say about each candidate's error, smoothed on several scales.
 
+use rayon::prelude::*;
 use stack::Image;
 
 use super::Contest;
+use crate::best::guided_kernel::GuidedKernel;
 use crate::best::settings::ChoiceSettings;
 use crate::eight::{LANES, Lanes};
+use crate::ln::ln;
 use crate::per_pixel::{ByEight, Pixels, planes_by_eight};
 
 /// Candidates there are to choose from, and that the network knows.
@@ -19,8 +22,14 @@ const DILATIONS: [usize; LEVELS] = [1, 2, 4];
 /// Levels there are.
 pub const LEVELS: usize = 3;
 
+/// One dilation more, for noisy surroundings.
+const WIDEST: usize = 8;
+
 /// How far from a pixel all that reaches: twice the dilations, one after the other.
-pub const REACH: usize = 2 * (DILATIONS[0] + DILATIONS[1] + DILATIONS[2]);
+pub const REACH: usize = 2 * (DILATIONS[0] + DILATIONS[1] + DILATIONS[2] + WIDEST);
+
+/// From the first of these V on, evidence is taken from farther around, from the second on that alone.
+const NOISY: [f32; 2] = [0.3, 1.0];
 
 /// The level that the rule looks at.
 const LEVEL_OF_RULE: usize = 1;
@@ -94,6 +103,9 @@ impl Evidence {
             let finer = levels.last().map_or(&planes, |level| &level.planes);
             levels.push(Level { candidates, planes: kernel.smooth(finer, *dilation) });
             planes = Vec::new();
+        }
+        if matches!(scales, Scales::All) {
+            look_farther_in_noise(&mut levels, &kernel);
         }
         Self { levels }
     }
@@ -173,6 +185,27 @@ impl Raw<'_> {
             }
         }
         numbers
+    }
+}
+
+/// Where noise is high, what few pixels say is chance, and the candidate that shows it wins: on a smooth surface that rare
+/// light falls on, blotches. There all levels give way to one more that looks farther.
+fn look_farther_in_noise(levels: &mut [Level], kernel: &GuidedKernel) {
+    let Some(coarsest) = levels.last() else { return };
+    // A mean is not above all of what it is the mean of.
+    if coarsest.noise().iter().all(|noise| *noise <= NOISY[0]) {
+        return;
+    }
+    let widest = kernel.smooth(&coarsest.planes, WIDEST);
+    let steps = ln(NOISY[1] / NOISY[0]);
+    let share = |noise: &f32| (ln(noise.max(NOISY[0]) / NOISY[0]) / steps).min(1.0);
+    let shares: Vec<f32> = widest[0].par_iter().map(share).collect();
+    for level in levels {
+        level.planes.par_iter_mut().zip(&widest).for_each(|(plane, widest)| {
+            for ((value, wide), share) in plane.iter_mut().zip(widest).zip(&shares) {
+                *value += share * (wide - *value);
+            }
+        });
     }
 }
 

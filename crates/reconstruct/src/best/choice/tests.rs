@@ -117,3 +117,18 @@ fn a_candidate_that_repeats_its_own_noise_does_not_win() {
         }
     }
 }
+
+#[test]
+fn evidence_comes_from_farther_around_where_noise_is_high() {
+    let (clean, features, settings) = (flat(SIZE, 1.0), two_halves(SIZE), ChoiceSettings::default());
+    let candidates = one_of(0, &both(&clean), &both(&flat(SIZE, 1.3)));
+    for (deviation, is_noisy) in [(0.2, false), (2.0, true)] {
+        let layers = layers(&clean, deviation, 138);
+        let contest = Contest { candidates: &candidates, layers: &layers, pilot: &clean, features: &features };
+        let evidence = Evidence::new(&contest, &settings, Scales::All);
+        let [finest, middle] = [0, 1].map(|level| &evidence.levels()[level]);
+        let differ = |(a, b): (&f32, &f32)| (a - b).abs() > 1e-4 * middle.noise()[0];
+        let different = finest.error(0).iter().zip(middle.error(0)).filter(|pair| differ(*pair)).count();
+        assert_eq!(different == 0, is_noisy, "{different} of {} at {deviation}", SIZE.pixels());
+    }
+}
