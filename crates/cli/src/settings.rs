@@ -103,5 +103,6 @@ fn fast() -> BestSettings {
     best.light.apart = false;
     best.features.radius = 2;
     best.features.next = false;
+    best.features.visibility_bandwidth = 0.0;
     best
 }

@@ -5,8 +5,8 @@ use std::ops::Range;
 use rayon::prelude::*;
 use stack::{Cancelled, Feature, FeatureRole, FeatureStack, Monitor, SampleCounts, Size};
 
+use super::by_others::{Rebuilding, rebuilt_by_others};
 use super::natural::{natural_scale, natural_variances};
-use super::next_surface::rebuilt_next_surface;
 use super::settings::{BestSettings, FeatureSettings};
 use crate::bands::rows_of;
 use crate::collaborative::Guide;
@@ -46,13 +46,41 @@ impl GuideFeatures {
         self.set.planes.extend(planes);
     }
 
+    /// Adds a group of `noisy` features, rebuilt by those there are, or filtered by themselves where they do not come in buckets.
+    fn add_noisy(
+        &mut self,
+        noisy: &[&Feature],
+        how: Rebuilding,
+        stack: &FeatureStack,
+        settings: &BestSettings,
+        monitor: &dyn Monitor,
+    ) -> Result<(), PrefilterError> {
+        for feature in noisy {
+            check(feature, stack.size())?;
+        }
+        let rebuilt = match (noisy.is_empty(), self.set.planes.is_empty()) {
+            (true, _) => return Ok(()),
+            (_, true) => None,
+            _ => rebuilt_by_others(noisy, &self.set, &stack.samples, how, settings, monitor)?,
+        };
+        let planes = match rebuilt {
+            Some(planes) => planes,
+            None => {
+                let filtered = |feature: &&Feature| filtered(feature, &stack.samples, &settings.features, monitor);
+                noisy.iter().map(filtered).collect::<Result<Vec<_>, _>>()?.concat()
+            }
+        };
+        self.add(planes, noisy.iter().all(|feature| feature.role != FeatureRole::Visibility));
+        Ok(())
+    }
+
     /// The planes that tell surfaces apart.
     pub fn surfaces(&self) -> impl Iterator<Item = &[f32]> {
         self.surfaces.iter().map(|plane| self.set.planes[*plane].as_slice())
     }
 }
 
-/// The features of `stack`, each group filtered by itself, and those of the next surface by the others. Reports the stage
+/// The features of `stack`, each group filtered by itself; visibility and what lies next by the others. Reports the stage
 /// `prefilter`.
 ///
 /// # Errors
@@ -67,23 +95,17 @@ pub fn guide_features(
     let set = FeatureSet { size: stack.size(), planes: Vec::new(), groups: Vec::new() };
     let flat = stack.feature(FeatureRole::Normal).is_none() && !has_depth(stack);
     let mut all = GuideFeatures { set, surfaces: Vec::new(), flat };
-    for feature in features {
+    let FeatureSettings { next, next_bandwidth, visibility_bandwidth, .. } = settings.features;
+    let by_others = |feature: &Feature| feature.role == FeatureRole::Visibility && visibility_bandwidth > 0.0;
+    let (visibility, plain): (Vec<&Feature>, Vec<&Feature>) = features.into_iter().partition(|f| by_others(f));
+    for feature in plain {
         let planes = filtered(feature, &stack.samples, &settings.features, monitor)?;
         all.add(planes, feature.role != FeatureRole::Visibility);
     }
-    let next: Vec<&Feature> = stack.features.iter().filter(|feature| feature.role.is_of_next_surface()).collect();
-    if settings.features.next && !next.is_empty() {
-        for feature in &next {
-            check(feature, stack.size())?;
-        }
-        let planes = match rebuilt_next_surface(&next, &all.set, &stack.samples, settings, monitor)? {
-            Some(planes) => planes,
-            None => {
-                let filtered = |feature: &&Feature| filtered(feature, &stack.samples, &settings.features, monitor);
-                next.iter().map(filtered).collect::<Result<Vec<_>, _>>()?.concat()
-            }
-        };
-        all.add(planes, true);
+    all.add_noisy(&visibility, Rebuilding::visibility(visibility_bandwidth), stack, settings, monitor)?;
+    if next {
+        let next: Vec<&Feature> = stack.features.iter().filter(|feature| feature.role.is_of_next_surface()).collect();
+        all.add_noisy(&next, Rebuilding::next_surface(next_bandwidth), stack, settings, monitor)?;
     }
     Ok(all)
 }

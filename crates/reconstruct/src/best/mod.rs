@@ -2,13 +2,14 @@
 //! regression, each pixel by the candidates that predict the other half best.
 //!
 //! Steps, one file each: what exceeds its surroundings goes to a sparse layer (`split`); features are freed of noise
-//! (`features`; what paths meet next, by the others: `next_surface`); a first regression guided by the other half
+//! (`features`; visibility and what paths meet next, by the others: `by_others`); a first regression guided by the other half
 //! (`first_pass`); the sparse layer is spread over pixels that resemble its own (`spread`); what the residual still holds
 //! is added (`cascade`), which makes a pilot picture; a second regression is guided by the pilot (`second_pass`); the
 //! candidates are mixed by their error and a small network (`choice`); and wide noise is taken off (`clouds`). `piloted`
 //! puts those up to the pilot in a row, `workshop` the rest.
 
 mod alone;
+mod by_others;
 mod cascade;
 mod choice;
 mod clouds;
@@ -21,7 +22,6 @@ pub(crate) mod guided_kernel;
 pub(crate) mod halves;
 mod light_guide;
 mod natural;
-mod next_surface;
 mod passes;
 pub(crate) mod piloted;
 mod restore;

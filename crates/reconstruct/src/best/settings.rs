@@ -77,6 +77,9 @@ stack::knobs! {
         next: bool = true, ..;
         /// Bandwidth k of the regression that frees that of noise.
         next_bandwidth: f32 = 2.0, 0.01..=100.0;
+        /// The same for visibility, of which the noise would be seen in soft shadows and under a sky; 0 filters it as other
+        /// features, which is faster.
+        visibility_bandwidth: f32 = 1.2, 0.0..=100.0;
     }
 }
 

@@ -68,6 +68,30 @@ fn noise_goes_and_edges_stay() {
 }
 
 #[test]
+fn few_shadow_rays_leave_no_mottles() {
+    let mut noise = TestNoise(96);
+    let stack = stack_of(Vec::new());
+    let flat = image(SIZE, |_, _, _| 0.6);
+    let rays = |noise: &mut TestNoise| {
+        let seen = (0..SIZE.pixels()).map(|_| (0..4).filter(|_| noise.uniform() < 0.6).count() as f32 / 4.0);
+        Image::from_channels(SIZE, vec![seen.collect()])
+    };
+    let buckets = (0..8).map(|_| rays(&mut noise)).collect();
+    let visibility =
+        Feature { role: FeatureRole::Visibility, estimate: Estimate::from_buckets(buckets, &stack.samples) };
+    let position = known(FeatureRole::Position, image(SIZE, |x, y, c| [x as f32, y as f32, 0.0][c]));
+    let stack = stack_of(vec![position, visibility]);
+    let [filtered, rebuilt] = [0.0, 1.2].map(|bandwidth| {
+        let mut settings = BestSettings::default();
+        settings.features.visibility_bandwidth = bandwidth;
+        let found = guide_features(&stack, &settings, &Silent).unwrap();
+        let plane = found.set.planes[3].iter().map(|v| v + 0.5).collect::<Vec<f32>>();
+        error(&Image::from_channels(SIZE, vec![plane; 3]), &flat)
+    });
+    assert!(rebuilt < 0.75 * filtered, "{rebuilt} of {filtered}");
+}
+
+#[test]
 fn without_features_there_is_an_error() {
     assert!(matches!(run(Vec::new()), Err(PrefilterError::NoFeatures)));
 }

@@ -1,5 +1,7 @@
-//! Where paths go on from the feature hit, as features: how near the next surface lies, and whether light reaches it. In
-//! corners and under tables they tell what indirect light does, where nothing else changes.
+//! Features that are much noisier than others, freed of noise by a regression on those. Visibility is the mean of few shadow
+//! rays: in soft shadows and under a sky its noise would be seen on every surface, as mottles that both halves share. And so
+//! are those that tell where paths go on from the feature hit: how near the next surface lies, and whether light reaches it.
+//! In corners and under tables they say what indirect light does, where nothing else changes.
 
 use stack::{Cancelled, Feature, Image, Monitor, SampleCounts};
 
@@ -10,26 +12,46 @@ use super::settings::{BestSettings, FitSettings};
 use crate::per_pixel::plane;
 use crate::prefilter::{FeatureSet, VarianceSource, normalised, normalised_halves};
 
-/// Distance between fits, what a pixel needs of them lest it gets one of its own, and the radius of their windows: what
-/// is only a feature may be rebuilt with a quarter of the fits.
-const STRIDE: usize = 6;
-const COVERED: f32 = 0.2;
+/// Radius of the windows.
 const RADIUS: usize = 9;
 
-/// Planes of `next` features, freed of noise by a regression on the `others`, each half with weights from the other:
-/// paths scatter anywhere, so they are noisier than anything seen directly. `None` where one does not come in buckets.
-/// Reports the stage `prefilter`.
+/// How features are rebuilt.
+#[derive(Clone, Copy, Debug)]
+pub struct Rebuilding {
+    /// Bandwidth k of the weights.
+    bandwidth: f32,
+    /// Distance between fits, and what a pixel needs of them lest it gets one of its own: what is only a feature may be
+    /// rebuilt with a part of the fits.
+    stride: usize,
+    covered: f32,
+}
+
+impl Rebuilding {
+    /// For what paths meet next.
+    pub fn next_surface(bandwidth: f32) -> Self {
+        Self { bandwidth, stride: 6, covered: 0.2 }
+    }
+
+    /// For visibility, which has borders of shadows that no other feature tells.
+    pub fn visibility(bandwidth: f32) -> Self {
+        Self { bandwidth, stride: 4, covered: 0.5 }
+    }
+}
+
+/// Planes of `noisy` features, rebuilt by a regression on the `others`, each half with weights from the other. `None` where one
+/// does not come in buckets. Reports the stage `prefilter`.
 ///
 /// # Errors
 /// When `monitor` cancels.
-pub fn rebuilt_next_surface(
-    next: &[&Feature],
+pub fn rebuilt_by_others(
+    noisy: &[&Feature],
     others: &FeatureSet,
     counts: &SampleCounts,
+    how: Rebuilding,
     settings: &BestSettings,
     monitor: &dyn Monitor,
 ) -> Result<Option<Vec<Vec<f32>>>, Cancelled> {
-    let Some(noisy) = next.iter().map(|feature| Noisy::of(feature, counts, settings)).collect::<Option<Vec<_>>>()
+    let Some(noisy) = noisy.iter().map(|feature| Noisy::of(feature, counts, settings)).collect::<Option<Vec<_>>>()
     else {
         return Ok(None);
     };
@@ -42,10 +64,10 @@ pub fn rebuilt_next_surface(
     let crossed =
         Crossed { size, features: &others.planes, halves, variances: &variances, noise: &noise, importance: None };
     let settings = FitSettings {
-        stride: STRIDE,
-        covered: COVERED,
+        stride: how.stride,
+        covered: how.covered,
         first_radius: RADIUS,
-        first_bandwidth: settings.features.next_bandwidth,
+        first_bandwidth: how.bandwidth,
         ..settings.regression
     };
     let fitted = crossed.fit(halves, &settings, "prefilter", monitor)?;

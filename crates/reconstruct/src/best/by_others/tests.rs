@@ -37,7 +37,8 @@ fn rows_and_columns() -> FeatureSet {
 }
 
 fn rebuilt(next: &[&Feature]) -> Option<Vec<Vec<f32>>> {
-    rebuilt_next_surface(next, &rows_and_columns(), &counts(), &BestSettings::default(), &Silent).unwrap()
+    let how = Rebuilding::next_surface(2.0);
+    rebuilt_by_others(next, &rows_and_columns(), &counts(), how, &BestSettings::default(), &Silent).unwrap()
 }
 
 #[test]
