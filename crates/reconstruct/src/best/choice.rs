@@ -36,7 +36,7 @@ const WEIGHT_RADIUS: usize = 2;
 
 /// Rows of a mixture that are made at once: what is known about all candidates takes more memory than anything else, and
 /// what the rule alone asks for less than half of it.
-const ROWS: usize = 128;
+const ROWS: usize = 192;
 const ROWS_OF_RULE: usize = 256;
 
 /// Pixels of a mixture that one task makes.
@@ -75,8 +75,11 @@ pub fn weights(contest: &Contest, settings: &ChoiceSettings, chooser: Option<&Ch
     assert!(count == CANDIDATES || (count == FEW && chooser.is_none()), "the network knows {CANDIDATES} candidates");
     let size = contest.pilot.size();
     let mut weights = Image::zeros(size, count);
-    let rows = if chooser.is_some() { ROWS } else { ROWS_OF_RULE };
-    for band in bands(size.height, rows, REACH) {
+    let (rows, reach) = match chooser {
+        Some(_) => (ROWS, evidence::REACH),
+        None => (ROWS_OF_RULE, evidence::REACH_OF_RULE),
+    };
+    for band in bands(size.height, rows, reach + WEIGHT_RADIUS) {
         let rows = |image: &Image| image_rows(image, &band.around);
         let candidates: Vec<_> = contest.candidates.par_iter().map(|halves| halves.each_ref().map(rows)).collect();
         let (layers, features) = (contest.layers.rows(&band.around), contest.features.rows(&band.around));

@@ -25,8 +25,11 @@ pub const LEVELS: usize = 3;
 /// One dilation more, for noisy surroundings.
 const WIDEST: usize = 8;
 
-/// How far from a pixel all that reaches: twice the dilations, one after the other.
-pub const REACH: usize = 2 * (DILATIONS[0] + DILATIONS[1] + DILATIONS[2] + WIDEST);
+/// How far from a pixel what the rule looks at reaches: twice the dilations, one after the other.
+pub const REACH_OF_RULE: usize = 2 * (DILATIONS[0] + DILATIONS[1]);
+
+/// And all that.
+pub const REACH: usize = REACH_OF_RULE + 2 * (DILATIONS[2] + WIDEST);
 
 /// From the first of these V on, evidence is taken from farther around, from the second on that alone.
 const NOISY: [f32; 2] = [0.3, 1.0];
