@@ -45,6 +45,9 @@ const CHUNK: usize = 4096;
 /// How far from a pixel a choice looks, in pixels.
 pub const REACH: usize = evidence::REACH + WEIGHT_RADIUS;
 
+/// The same for the rule alone.
+const REACH_OF_RULE: usize = evidence::REACH_OF_RULE + WEIGHT_RADIUS;
+
 /// What there is to choose from, and what it is judged by.
 #[derive(Clone, Copy)]
 pub struct Contest<'a> {
@@ -76,10 +79,10 @@ pub fn weights(contest: &Contest, settings: &ChoiceSettings, chooser: Option<&Ch
     let size = contest.pilot.size();
     let mut weights = Image::zeros(size, count);
     let (rows, reach) = match chooser {
-        Some(_) => (ROWS, evidence::REACH),
-        None => (ROWS_OF_RULE, evidence::REACH_OF_RULE),
+        Some(_) => (ROWS, REACH),
+        None => (ROWS_OF_RULE, REACH_OF_RULE),
     };
-    for band in bands(size.height, rows, reach + WEIGHT_RADIUS) {
+    for band in bands(size.height, rows, reach) {
         let rows = |image: &Image| image_rows(image, &band.around);
         let candidates: Vec<_> = contest.candidates.par_iter().map(|halves| halves.each_ref().map(rows)).collect();
         let (layers, features) = (contest.layers.rows(&band.around), contest.features.rows(&band.around));

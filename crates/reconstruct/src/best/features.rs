@@ -36,10 +36,10 @@ impl GuideFeatures {
         Self { set, surfaces: self.surfaces.clone(), flat: self.flat }
     }
 
-    /// Adds a group.
-    fn add(&mut self, planes: Vec<Vec<f32>>, tells_surfaces_apart: bool) {
+    /// Adds the `planes` of some features as a group.
+    fn add(&mut self, features: &[&Feature], planes: Vec<Vec<f32>>) {
         let group = self.set.planes.len()..self.set.planes.len() + planes.len();
-        if tells_surfaces_apart {
+        if features.iter().all(|feature| feature.role != FeatureRole::Visibility) {
             self.surfaces.extend(group.clone());
         }
         self.set.groups.push(group);
@@ -55,22 +55,20 @@ impl GuideFeatures {
         settings: &BestSettings,
         monitor: &dyn Monitor,
     ) -> Result<(), PrefilterError> {
-        for feature in noisy {
-            check(feature, stack.size())?;
-        }
-        let rebuilt = match (noisy.is_empty(), self.set.planes.is_empty()) {
-            (true, _) => return Ok(()),
-            (_, true) => None,
+        let by_others = match noisy {
+            [] => return Ok(()),
+            _ if self.set.planes.is_empty() => None,
             _ => rebuilt_by_others(noisy, &self.set, &stack.samples, how, settings, monitor)?,
         };
-        let planes = match rebuilt {
+        let planes = match by_others {
             Some(planes) => planes,
             None => {
+                monitor.begin("prefilter", units(stack.size()) * noisy.len() as u64);
                 let filtered = |feature: &&Feature| filtered(feature, &stack.samples, &settings.features, monitor);
                 noisy.iter().map(filtered).collect::<Result<Vec<_>, _>>()?.concat()
             }
         };
-        self.add(planes, noisy.iter().all(|feature| feature.role != FeatureRole::Visibility));
+        self.add(noisy, planes);
         Ok(())
     }
 
@@ -90,21 +88,22 @@ pub fn guide_features(
     settings: &BestSettings,
     monitor: &dyn Monitor,
 ) -> Result<GuideFeatures, PrefilterError> {
-    let features = guides(stack)?;
-    monitor.begin("prefilter", units(stack.size()) * features.len() as u64);
+    let FeatureSettings { next, next_bandwidth, visibility_bandwidth, .. } = settings.features;
+    let is_noisy = |feature: &&Feature| feature.role == FeatureRole::Visibility && visibility_bandwidth > 0.0;
+    let (visibility, plain): (Vec<&Feature>, Vec<&Feature>) = guides(stack)?.into_iter().partition(is_noisy);
     let set = FeatureSet { size: stack.size(), planes: Vec::new(), groups: Vec::new() };
     let flat = stack.feature(FeatureRole::Normal).is_none() && !has_depth(stack);
     let mut all = GuideFeatures { set, surfaces: Vec::new(), flat };
-    let FeatureSettings { next, next_bandwidth, visibility_bandwidth, .. } = settings.features;
-    let by_others = |feature: &Feature| feature.role == FeatureRole::Visibility && visibility_bandwidth > 0.0;
-    let (visibility, plain): (Vec<&Feature>, Vec<&Feature>) = features.into_iter().partition(|f| by_others(f));
+    monitor.begin("prefilter", units(stack.size()) * plain.len() as u64);
     for feature in plain {
-        let planes = filtered(feature, &stack.samples, &settings.features, monitor)?;
-        all.add(planes, feature.role != FeatureRole::Visibility);
+        all.add(&[feature], filtered(feature, &stack.samples, &settings.features, monitor)?);
     }
     all.add_noisy(&visibility, Rebuilding::visibility(visibility_bandwidth), stack, settings, monitor)?;
     if next {
         let next: Vec<&Feature> = stack.features.iter().filter(|feature| feature.role.is_of_next_surface()).collect();
+        for feature in &next {
+            check(feature, stack.size())?;
+        }
         all.add_noisy(&next, Rebuilding::next_surface(next_bandwidth), stack, settings, monitor)?;
     }
     Ok(all)

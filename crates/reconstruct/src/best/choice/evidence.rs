@@ -199,12 +199,12 @@ fn look_farther_in_noise(levels: &mut [Level], kernel: &GuidedKernel) {
     if coarsest.noise().iter().all(|noise| *noise <= NOISY[0]) {
         return;
     }
-    let widest = kernel.smooth(&coarsest.planes, WIDEST);
+    let widest = Level { candidates: coarsest.candidates, planes: kernel.smooth(&coarsest.planes, WIDEST) };
     let steps = ln(NOISY[1] / NOISY[0]);
     let share = |noise: &f32| (ln(noise.max(NOISY[0]) / NOISY[0]) / steps).min(1.0);
-    let shares: Vec<f32> = widest[0].par_iter().map(share).collect();
+    let shares: Vec<f32> = widest.noise().par_iter().map(share).collect();
     for level in levels {
-        level.planes.par_iter_mut().zip(&widest).for_each(|(plane, widest)| {
+        level.planes.par_iter_mut().zip(&widest.planes).for_each(|(plane, widest)| {
             for ((value, wide), share) in plane.iter_mut().zip(widest).zip(&shares) {
                 *value += share * (wide - *value);
             }
