@@ -21,19 +21,20 @@ const LARGEST: f64 = 60.0;
 /// The power of two that brings the scattered light of `components` closest to the range of brightness of these settings, in
 /// the geometric mean over blocks of pixels. Multiplying by it rounds nothing. 1 where light lies in it, or there is none.
 pub fn exposure(components: &[Component], settings: &LightSettings) -> f32 {
-    let Some(scattered) = components.iter().find(|component| component.role == ComponentRole::Scattered) else {
+    let scattered = components.iter().find(|component| component.role == ComponentRole::Scattered);
+    let Some(brightness) = scattered.and_then(|component| typical_brightness(&component.radiance.mean)) else {
         return 1.0;
     };
-    let blocks = block_means(&scattered.radiance.mean);
+    let wanted = brightness.clamp(settings.darkest.into(), f64::from(settings.brightest).max(settings.darkest.into()));
+    (wanted / brightness).log2().round().clamp(-LARGEST, LARGEST).exp2() as f32
+}
+
+/// The geometric mean of brightness over blocks of pixels, without background; `None` where all is black.
+pub fn typical_brightness(image: &Image) -> Option<f64> {
+    let blocks = block_means(image);
     let least = BACKGROUND * blocks.iter().sum::<f64>() / blocks.len().max(1) as f64;
     let lit: Vec<f64> = blocks.into_iter().filter(|mean| *mean > least).map(f64::log2).collect();
-    if lit.is_empty() {
-        return 1.0;
-    }
-    let brightness = lit.iter().sum::<f64>() / lit.len() as f64;
-    let [darkest, brightest] = [settings.darkest, settings.brightest].map(|limit| f64::from(limit).log2());
-    let wanted = brightness.max(darkest).min(brightest);
-    (wanted - brightness).round().clamp(-LARGEST, LARGEST).exp2() as f32
+    (!lit.is_empty()).then(|| (lit.iter().sum::<f64>() / lit.len() as f64).exp2())
 }
 
 /// The median of the pixels' brightness.

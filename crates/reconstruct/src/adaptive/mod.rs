@@ -5,6 +5,8 @@ mod error_map;
 
 use stack::{Image, SampleMap};
 
+use crate::exposure::typical_brightness;
+
 pub use error_map::ErrorEstimate;
 use error_map::{cap_at_quantile, expected_reduction, relative_error, replace_non_finite, smooth};
 
@@ -17,11 +19,14 @@ stack::knobs! {
         /// Added to the squared luminance that errors are divided by (section 5): less of it sends more samples into
         /// the dark.
         epsilon: f32 = EPSILON, 1e-8..=1.0;
+        /// Brightness, in the geometric mean over blocks of pixels, of the picture that this is meant for: a darker one is
+        /// shown brighter, and its shadows are seen. 0 means it for all pictures (section 5).
+        exposed: f32 = 0.15, 0.0..=1000.0;
         /// Errors are cut off at this quantile of all pixels (section 5: 0.95), 0 to 1.
         quantile: f32 = 0.99, 0.0..=1.0;
         /// Times the map is smoothed by a 3×3 Gaussian (section 5: once). A wide filter shares its samples: what drives
         /// them should be no sharper.
-        smoothing: u32 = 1, 0..=256;
+        smoothing: u32 = 4, 0..=256;
         /// Power of the map that samples are proportional to (section 5: 1). The sum of errors that fall as 1/n is least
         /// where n is proportional to the root.
         power: f32 = 1.0, 0.0..=4.0;
@@ -29,7 +34,7 @@ stack::knobs! {
         /// then, the map is the error of one sample, MSE·n.
         totals: bool = false, ..;
         /// Share of the samples that every pixel gets alike, 0 to 1.
-        alike: f32 = 0.0, 0.0..=1.0;
+        alike: f32 = 0.2, 0.0..=1.0;
         /// Most samples a pixel can get in a round, as a multiple of the round's mean (section 5).
         most: f32 = 8.0, 1.0..=1000.0;
     }
@@ -37,7 +42,15 @@ stack::knobs! {
 
 impl AdaptiveSettings {
     /// The paper's.
-    pub const PAPER: Self = Self { quantile: 0.95, ..Self::DEFAULT };
+    pub const PAPER: Self = Self { quantile: 0.95, exposed: 0.0, smoothing: 1, alike: 0.0, ..Self::DEFAULT };
+
+    /// What is added to the squared luminance of this picture.
+    fn epsilon_for(&self, picture: &Image) -> f32 {
+        match typical_brightness(picture) {
+            Some(brightness) if self.exposed > 0.0 => self.epsilon * (brightness as f32 / self.exposed).powi(2),
+            _ => self.epsilon,
+        }
+    }
 }
 
 /// Which samples to take next: `budget` of them (all pixels together), distributed by the error reduction to expect,
@@ -50,8 +63,8 @@ pub fn sample_map(estimate: &ErrorEstimate, budget: u64, settings: &AdaptiveSett
     let counts = estimate.counts;
     let first = counts.total.iter().map(|n| counts.first + n).collect();
     let size = estimate.picture.size();
-    let mut map =
-        if settings.totals { error_of_one(estimate, settings) } else { expected_reduction(estimate, settings.epsilon) };
+    let epsilon = settings.epsilon_for(estimate.picture);
+    let mut map = if settings.totals { error_of_one(estimate, epsilon) } else { expected_reduction(estimate, epsilon) };
     for _ in 0..settings.smoothing {
         map = smooth(&map, size);
     }
@@ -65,11 +78,10 @@ pub fn sample_map(estimate: &ErrorEstimate, budget: u64, settings: &AdaptiveSett
 }
 
 /// Relative error that one sample would leave, where errors fall as 1/n: MSE·n/(α̂² + ε). Finite and ≥ 0.
-fn error_of_one(estimate: &ErrorEstimate, settings: &AdaptiveSettings) -> Vec<f64> {
+fn error_of_one(estimate: &ErrorEstimate, epsilon: f32) -> Vec<f64> {
     let counts = &estimate.counts.total;
-    let error = |i: usize| {
-        relative_error(estimate.mse, estimate.picture, settings.epsilon, i).max(0.0) * f64::from(counts[i].max(1))
-    };
+    let error =
+        |i: usize| relative_error(estimate.mse, estimate.picture, epsilon, i).max(0.0) * f64::from(counts[i].max(1));
     let mut errors: Vec<f64> = (0..counts.len()).map(error).collect();
     replace_non_finite(&mut errors);
     errors
@@ -149,7 +161,7 @@ mod tests {
         // One sample leaves errors in proportion 1 : 9, so that roots are 1 : 3; what was taken is so already.
         let estimate = ErrorEstimate { mse: &[0.1, 0.3], picture: &picture, rank: None, counts: &counts };
         let settings =
-            AdaptiveSettings { totals: true, power: 0.5, smoothing: 0, quantile: 1.0, ..AdaptiveSettings::DEFAULT };
+            AdaptiveSettings { totals: true, power: 0.5, smoothing: 0, quantile: 1.0, ..AdaptiveSettings::PAPER };
         assert_eq!(sample_map(&estimate, 16, &settings).count, [4, 12]);
         let lop_sided = SampleCounts { total: vec![10, 2], ..counts.clone() };
         let estimate = ErrorEstimate { mse: &[0.01, 0.45], counts: &lop_sided, ..estimate };
@@ -170,6 +182,25 @@ mod tests {
         assert_eq!(map.count[45], 15);
         let right: u32 = (0..400).filter(|i| i % 20 >= 10).map(|i| map.count[i]).sum();
         assert!((right as f32 / 1000.0 - 1.0).abs() < 0.1, "a quarter, but for rounding: {right}");
+    }
+
+    #[test]
+    fn the_same_scene_in_other_units_gets_the_same_samples() {
+        let size = Size::new(32, 32);
+        let mut noise = TestNoise(9);
+        let light: Vec<f32> = (0..1024).map(|i| 0.003 * (1 + i % 32) as f32).collect();
+        let error: Vec<f32> = light.iter().map(|v| (0.1 * v * noise.uniform() as f32).powi(2)).collect();
+        let counts = SampleCounts::uniform(1024, vec![4]);
+        let map = |units: f32, settings: AdaptiveSettings| {
+            let picture = Image::from_channels(size, vec![light.iter().map(|v| v * units).collect(); 3]);
+            let mse: Vec<f32> = error.iter().map(|v| v * units * units).collect();
+            let estimate = ErrorEstimate { mse: &mse, picture: &picture, rank: None, counts: &counts };
+            sample_map(&estimate, 16 * 1024, &settings).count
+        };
+        assert_eq!(map(1.0, AdaptiveSettings::DEFAULT), map(32.0, AdaptiveSettings::DEFAULT));
+        let of_dark = |counts: Vec<u32>| (0..1024).filter(|i| i % 32 < 4).map(|i| counts[i]).sum::<u32>();
+        let [of_default, of_paper] = [AdaptiveSettings::DEFAULT, AdaptiveSettings::PAPER].map(|s| of_dark(map(0.1, s)));
+        assert!(of_default > 3 * of_paper, "shadows of a dark scene: {of_default} {of_paper}");
     }
 
     #[test]

@@ -14,6 +14,9 @@ stack::knobs! {
         /// Radius of the boxes over which that is evened out, in pixels: where a few more events happen to meet than next
         /// to them, more of their light would stay in the low layer of both halves, as a cloud. 0 leaves it as it is.
         smoothing: usize = 8, 0..=64;
+        /// Where a pixel has fewer samples than its surroundings, its buckets vary more: what they are cut at grows with
+        /// this power of the ratio. 0 leaves it.
+        few: f32 = 1.0, 0.0..=2.0;
         /// How many bright details of one pixel there are for one that only looks like it, before it is known how many of
         /// its buckets are bright. With 0 none is believed; with large numbers all are, and where two fireflies meet a
         /// speck is left.

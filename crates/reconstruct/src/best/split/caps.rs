@@ -17,13 +17,15 @@ const MOVED: [f32; 2] = [0.6, 4.0];
 /// Luminance above which each pixel's buckets are cut: a multiple of what the surroundings reach, evened out; more where
 /// a quarter of its own buckets do, as far as that is no chance. `luminances` of the buckets of an image of `size` are
 /// ≥ 0, or `NOTHING` where there is no sample.
-pub fn caps(size: Size, luminances: &[Vec<f32>], settings: &SplitSettings) -> Vec<f32> {
-    Task { size, luminances, settings }.caps()
+pub fn caps(size: Size, luminances: &[Vec<f32>], samples: &[u32], settings: &SplitSettings) -> Vec<f32> {
+    Task { size, luminances, samples, settings }.caps()
 }
 
 struct Task<'a> {
     size: Size,
     luminances: &'a [Vec<f32>],
+    /// Of each pixel.
+    samples: &'a [u32],
     settings: &'a SplitSettings,
 }
 
@@ -33,6 +35,7 @@ impl Task<'_> {
         let ranks = Ranks { radius, share: quantile };
         let high = high_ranks(self.size, self.luminances, ranks).unwrap_or_else(|| self.selected(ranks));
         let around = self.evened_out(&high.around);
+        let around = self.wider_where_few(around);
         let cap = |(pixel, (around, own)): (usize, (&f32, &f32))| {
             let reached = factor * around;
             let excess = (own - reached).max(0.0);
@@ -53,6 +56,19 @@ impl Task<'_> {
         let [least, most] = MOVED;
         let moved = |(smooth, v): (&f32, &f32)| smooth.exp().clamp(least * v, most * v.max(LEAST_CAP));
         smooth.par_iter().zip(reached).map(moved).collect()
+    }
+
+    /// The same where pixels have fewer samples than those around them, as much higher as a bucket of so few may be.
+    fn wider_where_few(&self, mut reached: Vec<f32>) -> Vec<f32> {
+        let SplitSettings { few, smoothing, .. } = *self.settings;
+        if few == 0.0 || self.samples.iter().all(|n| *n == self.samples[0]) {
+            return reached;
+        }
+        let samples: Vec<f32> = self.samples.iter().map(|n| *n as f32).collect();
+        let around = box_mean(&box_mean(&samples, self.size, smoothing), self.size, smoothing);
+        let pixels = reached.par_iter_mut().zip(&samples).zip(&around);
+        pixels.for_each(|((reached, own), around)| *reached *= (around / own.max(1.0)).max(1.0).powf(few));
+        reached
     }
 
     /// Both ranks pixel by pixel, however deep they lie.

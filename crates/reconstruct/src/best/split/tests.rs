@@ -142,14 +142,37 @@ fn where_more_events_happen_to_meet_little_more_of_their_light_is_kept() {
     let (size, mut noise) = (Size::new(72, 72), TestNoise(93));
     let mut bucket = || (0..size.pixels()).map(|_| if noise.uniform() < 0.03 { 20.0 } else { 1.0 }).collect();
     let luminances: Vec<Vec<f32>> = (0..8).map(|_| bucket()).collect();
+    let samples = vec![32; size.pixels()];
     // Variance of the logarithm of what buckets are cut at.
     let variance = |smoothing: usize| {
-        let caps = caps(size, &luminances, &SplitSettings { smoothing, ..settings() });
+        let caps = caps(size, &luminances, &samples, &SplitSettings { smoothing, ..settings() });
         let mean = |f: &dyn Fn(f32) -> f32| caps.iter().map(|cap| f(cap.ln())).sum::<f32>() / caps.len() as f32;
         mean(&|v| v * v) - mean(&|v| v).powi(2)
     };
     let [evened_out, as_it_is] = [SplitSettings::DEFAULT.smoothing, 0].map(variance);
     assert!(evened_out < 0.3 * as_it_is, "{evened_out} {as_it_is}");
+}
+
+#[test]
+fn buckets_of_few_samples_are_cut_higher_among_others_of_many() {
+    let (size, mut noise) = (Size::new(72, 72), TestNoise(94));
+    let few = |pixel: usize| (30..42).contains(&(pixel % 72)) && (30..42).contains(&(pixel / 72));
+    let samples: Vec<u32> = (0..size.pixels()).map(|pixel| if few(pixel) { 8 } else { 64 }).collect();
+    // A tenth of all samples meets a light of 10.
+    let mut bucket = |pixel: usize| {
+        let count = samples[pixel] / 8;
+        (0..count).filter(|_| noise.uniform() < 0.1).count() as f32 * 10.0 / count as f32
+    };
+    let luminances: Vec<Vec<f32>> = (0..8).map(|_| (0..size.pixels()).map(&mut bucket).collect()).collect();
+    let [raised, plain] = [SplitSettings::DEFAULT.few, 0.0]
+        .map(|few| caps(size, &luminances, &samples, &SplitSettings { few, ..settings() }));
+    let cut_from_few = |caps: &[f32]| {
+        let pixels = || luminances.iter().flat_map(|l| (0..l.len()).filter(|i| few(*i)).map(|i| (l[i], caps[i])));
+        1.0 - pixels().map(|(l, cap)| l.min(cap)).sum::<f32>() / pixels().map(|(l, _)| l).sum::<f32>()
+    };
+    let [with, without] = [&raised, &plain].map(|caps| cut_from_few(caps));
+    assert!(with < 0.5 * without, "{with} {without}");
+    assert!((0..size.pixels()).filter(|i| i % 72 < 10).all(|i| raised[i] == plain[i]), "far from those");
 }
 
 #[test]
