@@ -246,7 +246,11 @@ mod tests {
         sums.iter_mut().zip(&buckets).for_each(|(sum, bucket)| sum.add(bucket));
         both.components = vec![component(sums, &both.samples)];
         let in_the_dark = |direct_spread: f32| {
-            let picture = picture(&both, LightSettings { direct_spread, ..alone() });
+            let mut settings = Settings::default();
+            settings.best.light = LightSettings { direct_spread, ..alone() };
+            // All of them are fireflies, many as they are.
+            settings.best.split.most = 1.0;
+            let picture = reconstruct(&both, &settings, &Silent).unwrap().picture;
             let dark = (0..SIZE.pixels()).filter(|pixel| !lit(pixel % SIZE.width));
             dark.map(|pixel| picture.rgb(pixel)[1] - 0.7).sum::<f32>()
         };

@@ -17,6 +17,9 @@ stack::knobs! {
         /// Where a pixel has fewer samples than its surroundings, its buckets vary more: what they are cut at grows with
         /// this power of the ratio. 0 leaves it.
         few: f32 = 1.0, 0.0..=2.0;
+        /// Most of the light of a pixel's surroundings that is cut off, 0 to 1, the few brightest buckets aside: where light
+        /// is sparse, what most of it is made of is no firefly.
+        most: f32 = 0.3, 0.0..=1.0;
         /// How many bright details of one pixel there are for one that only looks like it, before it is known how many of
         /// its buckets are bright. With 0 none is believed; with large numbers all are, and where two fireflies meet a
         /// speck is left.

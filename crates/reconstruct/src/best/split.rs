@@ -6,6 +6,7 @@
 mod caps;
 mod cut;
 mod high_ranks;
+mod sparse;
 
 use std::ops::Range;
 

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 use stack::Size;
 
 use super::high_ranks::{HighRanks, Ranks, above_quartile, high_ranks};
+use super::sparse::rises;
 use crate::best::settings::SplitSettings;
 use crate::box_filter::box_mean;
 use crate::per_pixel;
@@ -42,7 +43,11 @@ impl Task<'_> {
             let detail = if excess > 0.0 { self.is_detail(pixel, reached) } else { 0.0 };
             (reached + detail * excess).max(LEAST_CAP)
         };
-        around.par_iter().zip(&high.own).enumerate().map(cap).collect()
+        let mut caps: Vec<f32> = around.par_iter().zip(&high.own).enumerate().map(cap).collect();
+        if let Some(rises) = rises(self.size, self.luminances, &caps, self.settings.most) {
+            caps.iter_mut().zip(rises).for_each(|(cap, rise)| *cap *= rise);
+        }
+        caps
     }
 
     /// What surroundings reach, in the geometric mean over wide surroundings.
