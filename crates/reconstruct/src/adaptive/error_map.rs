@@ -43,10 +43,16 @@ pub fn replace_non_finite(values: &mut [f64]) {
     values.iter_mut().filter(|v| !v.is_finite()).for_each(|v| *v = largest);
 }
 
+/// Smooths `times` by the 3×3 binomial kernel.
+pub fn smoothed(values: Vec<f64>, size: Size, times: u32) -> Vec<f64> {
+    (0..times).fold(values, |values, _| smooth(&values, size))
+}
+
 /// Smooths by the 3×3 binomial kernel (1 2 1)/4 in both directions, a Gaussian of σ ≈ 0.7 pixels. At the borders the part
 /// inside the image counts for all.
-pub fn smooth(values: &[f64], size: Size) -> Vec<f64> {
+fn smooth(values: &[f64], size: Size) -> Vec<f64> {
     let across: Vec<f64> = (0..values.len())
+        .into_par_iter()
         .map(|i| {
             let x = i % size.width;
             let left = (x > 0).then(|| values[i - 1]);
@@ -55,6 +61,7 @@ pub fn smooth(values: &[f64], size: Size) -> Vec<f64> {
         })
         .collect();
     (0..values.len())
+        .into_par_iter()
         .map(|i| {
             let above = i.checked_sub(size.width).map(|j| across[j]);
             binomial(above, across[i], across.get(i + size.width).copied())

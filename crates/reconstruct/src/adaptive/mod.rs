@@ -8,7 +8,7 @@ use stack::{Image, SampleMap};
 use crate::exposure::typical_brightness;
 
 pub use error_map::ErrorEstimate;
-use error_map::{cap_at_quantile, expected_reduction, relative_error, replace_non_finite, smooth};
+use error_map::{cap_at_quantile, expected_reduction, relative_error, replace_non_finite, smoothed};
 
 /// The paper's ε, which keeps errors relative to black finite.
 const EPSILON: f32 = 0.001;
@@ -24,9 +24,11 @@ stack::knobs! {
         exposed: f32 = 0.15, 0.0..=1000.0;
         /// Errors are cut off at this quantile of all pixels (section 5: 0.95), 0 to 1.
         quantile: f32 = 0.99, 0.0..=1.0;
-        /// Times the map is smoothed by a 3×3 Gaussian (section 5: once). A wide filter shares its samples: what drives
-        /// them should be no sharper.
-        smoothing: u32 = 4, 0..=256;
+        /// Times the map is smoothed by a 3×3 Gaussian (section 5: once).
+        smoothing: u32 = 1, 0..=256;
+        /// Times it is smoothed then to give every pixel at least what is wanted around it: by chance an error may seem small
+        /// where few samples are, and a wide filter shares them (section 5: 0).
+        around: u32 = 16, 0..=256;
         /// Power of the map that samples are proportional to (section 5: 1). The sum of errors that fall as 1/n is least
         /// where n is proportional to the root.
         power: f32 = 1.0, 0.0..=4.0;
@@ -42,7 +44,7 @@ stack::knobs! {
 
 impl AdaptiveSettings {
     /// The paper's.
-    pub const PAPER: Self = Self { quantile: 0.95, exposed: 0.0, smoothing: 1, alike: 0.0, ..Self::DEFAULT };
+    pub const PAPER: Self = Self { quantile: 0.95, exposed: 0.0, around: 0, alike: 0.0, ..Self::DEFAULT };
 
     /// What is added to the squared luminance of this picture.
     fn epsilon_for(&self, picture: &Image) -> f32 {
@@ -55,8 +57,9 @@ impl AdaptiveSettings {
 
 /// Which samples to take next: `budget` of them (all pixels together), distributed by the error reduction to expect,
 /// ΔMSE = MSE·n^(−4/(k+4)) relative to α̂² + ε, where α̂ is the luminance, the mean over RGB. The map is smoothed by a 3×3
-/// Gaussian and cut off at a quantile; samples are proportional to it, rounded up, and handed out from the largest
-/// error down until the budget is gone. Every pixel goes on where its samples ended.
+/// Gaussian, raised to what is wanted around a pixel and cut off at a quantile; samples are proportional to it, but for
+/// those that all pixels get alike, rounded up, and handed out from the largest error down until the budget is gone. Every
+/// pixel goes on where its samples ended.
 ///
 /// The counts add up to exactly `budget`, unless the picture is empty.
 pub fn sample_map(estimate: &ErrorEstimate, budget: u64, settings: &AdaptiveSettings) -> SampleMap {
@@ -64,10 +67,10 @@ pub fn sample_map(estimate: &ErrorEstimate, budget: u64, settings: &AdaptiveSett
     let first = counts.total.iter().map(|n| counts.first + n).collect();
     let size = estimate.picture.size();
     let epsilon = settings.epsilon_for(estimate.picture);
-    let mut map = if settings.totals { error_of_one(estimate, epsilon) } else { expected_reduction(estimate, epsilon) };
-    for _ in 0..settings.smoothing {
-        map = smooth(&map, size);
-    }
+    let map = if settings.totals { error_of_one(estimate, epsilon) } else { expected_reduction(estimate, epsilon) };
+    let mut map = smoothed(map, size, settings.smoothing);
+    let around = smoothed(map.clone(), size, settings.around);
+    map.iter_mut().zip(around).for_each(|(own, around)| *own = own.max(around));
     cap_at_quantile(&mut map, settings.quantile.into());
     map.iter_mut().for_each(|v| *v = v.powf(settings.power.into()));
     mix_alike(&mut map, settings.alike.into());
@@ -182,6 +185,30 @@ mod tests {
         assert_eq!(map.count[45], 15);
         let right: u32 = (0..400).filter(|i| i % 20 >= 10).map(|i| map.count[i]).sum();
         assert!((right as f32 / 1000.0 - 1.0).abs() < 0.1, "a quarter, but for rounding: {right}");
+    }
+
+    #[test]
+    fn pixels_whose_error_seems_small_get_what_those_around_them_get() {
+        let size = Size::new(60, 60);
+        let hole = |i: usize| (28..32).contains(&(i % 60)) && (28..32).contains(&(i / 60));
+        let peak = size.index(10, 10);
+        let error = |i: usize| match i {
+            i if i == peak => 8.0,
+            i if hole(i) || i / 60 > 20 && i / 60 < 24 || i / 60 > 40 => 0.0,
+            _ => 1.0,
+        };
+        let mse: Vec<f32> = (0..size.pixels()).map(error).collect();
+        let picture = Image::from_channels(size, vec![vec![1.0; size.pixels()]; 3]);
+        let counts = SampleCounts::uniform(size.pixels(), vec![4]);
+        let estimate = ErrorEstimate { mse: &mse, picture: &picture, rank: None, counts: &counts };
+        // A third of the pixels wants nothing: rounding takes from those.
+        let settings = AdaptiveSettings { quantile: 1.0, alike: 0.0, most: 100.0, ..AdaptiveSettings::DEFAULT };
+        let [raised, as_it_is, smoother] = [(1, settings.around), (1, 0), (17, 0)].map(|(smoothing, around)| {
+            sample_map(&estimate, 200_000, &AdaptiveSettings { smoothing, around, ..settings }).count
+        });
+        let middle = size.index(29, 29);
+        assert!(raised[middle] > 20 && as_it_is[middle] == 0, "{}", raised[middle]);
+        assert!(raised[peak] > 2 * smoother[peak], "{}", raised[peak]);
     }
 
     #[test]
