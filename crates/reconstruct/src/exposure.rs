@@ -25,7 +25,7 @@ pub fn exposure(components: &[Component], settings: &LightSettings) -> f32 {
     let Some(brightness) = scattered.and_then(|component| typical_brightness(&component.radiance.mean)) else {
         return 1.0;
     };
-    let wanted = brightness.clamp(settings.darkest.into(), f64::from(settings.brightest).max(settings.darkest.into()));
+    let wanted = brightness.max(settings.darkest.into()).min(settings.brightest.into());
     (wanted / brightness).log2().round().clamp(-LARGEST, LARGEST).exp2() as f32
 }
 
@@ -147,6 +147,13 @@ mod tests {
         assert_eq!(of(&flat(SIZE, 1e-3)), 128.0);
         assert_eq!(of(&flat(SIZE, 0.0)), 1.0);
         assert_eq!(of(&flat(SIZE, f32::MIN_POSITIVE)), 2.0_f32.powi(60));
+    }
+
+    #[test]
+    fn no_light_stays_above_the_brightest() {
+        let (image, settings) =
+            (flat(SIZE, 0.125), LightSettings { darkest: 0.5, brightest: 0.125, ..LightSettings::DEFAULT });
+        assert_eq!(exposure(&[component(vec![image.clone(); 2], &stack_of(&image, 9).samples)], &settings), 1.0);
     }
 
     #[test]
