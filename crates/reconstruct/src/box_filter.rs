@@ -83,7 +83,12 @@ pub fn box_mean(plane: &[f32], size: Size, radius: usize) -> Vec<f32> {
     sums
 }
 
-/// The same where everything is known.
+/// Means of means over square windows: a smoother window, twice as wide.
+pub fn box_mean_twice(plane: &[f32], size: Size, radius: usize) -> Vec<f32> {
+    box_mean(&box_mean(plane, size, radius), size, radius)
+}
+
+/// [`box_mean`] where everything is known.
 fn mean_of_known(plane: &[f32], size: Size, radius: usize) -> Vec<f32> {
     let inside = |at: usize, length: usize| ((at + radius + 1).min(length) - at.saturating_sub(radius)) as f32;
     let columns: Vec<f32> = (0..size.width).map(|x| inside(x, size.width)).collect();

@@ -112,8 +112,8 @@ mod tests {
     use stack::{FeatureStack, Silent, Size};
 
     use super::*;
-    use crate::best::LightSettings;
     use crate::best::test_scene::{component, error, image, stack_of, with_noise};
+    use crate::best::{BestSettings, LightSettings};
     use crate::test_noise::TestNoise;
     use crate::{Settings, reconstruct};
 
@@ -136,9 +136,11 @@ mod tests {
     }
 
     fn picture(stack: &FeatureStack, light: LightSettings) -> Image {
-        let mut settings = Settings::default();
-        settings.best.light = light;
-        reconstruct(stack, &settings, &Silent).unwrap().picture
+        rebuilt(stack, BestSettings { light, ..BestSettings::default() })
+    }
+
+    fn rebuilt(stack: &FeatureStack, best: BestSettings) -> Image {
+        reconstruct(stack, &Settings { best, ..Settings::default() }, &Silent).unwrap().picture
     }
 
     /// Indirect light that knows nothing of direct light, which is rebuilt with all fits; both as bright as they are.
@@ -200,9 +202,7 @@ mod tests {
     fn direct_light_may_be_rebuilt_fast_by_itself() {
         let [both, direct, indirect] = stacks([10, 20]);
         let fast = LightSettings { direct_fast: 1.0, ..alone() };
-        let mut hastened = Settings::default();
-        hastened.best = hastened.best.for_direct_light(0.0);
-        let mut sum = reconstruct(&direct, &hastened, &Silent).unwrap().picture;
+        let mut sum = rebuilt(&direct, BestSettings::default().for_direct_light(0.0));
         sum.add(&picture(&indirect, fast));
         let found = picture(&both, fast);
         for (a, b) in found.channels().iter().flatten().zip(sum.channels().iter().flatten()) {
@@ -246,11 +246,11 @@ mod tests {
         sums.iter_mut().zip(&buckets).for_each(|(sum, bucket)| sum.add(bucket));
         both.components = vec![component(sums, &both.samples)];
         let in_the_dark = |direct_spread: f32| {
-            let mut settings = Settings::default();
-            settings.best.light = LightSettings { direct_spread, ..alone() };
+            let mut best =
+                BestSettings { light: LightSettings { direct_spread, ..alone() }, ..BestSettings::default() };
             // All of them are fireflies, many as they are.
-            settings.best.split.most = 1.0;
-            let picture = reconstruct(&both, &settings, &Silent).unwrap().picture;
+            best.split.most = 1.0;
+            let picture = rebuilt(&both, best);
             let dark = (0..SIZE.pixels()).filter(|pixel| !lit(pixel % SIZE.width));
             dark.map(|pixel| picture.rgb(pixel)[1] - 0.7).sum::<f32>()
         };

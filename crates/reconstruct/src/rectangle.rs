@@ -17,6 +17,11 @@ pub struct Rectangle {
 }
 
 impl Rectangle {
+    /// The pixels at most `by` away from the one in column `x`, row `y` in each direction, inside an image of `size`.
+    pub fn around([x, y]: [usize; 2], by: usize, size: Size) -> Self {
+        Self { x0: x, y0: y, x1: x + 1, y1: y + 1 }.grown(by, size)
+    }
+
     /// Pixels in a row.
     pub fn width(self) -> usize {
         self.x1.saturating_sub(self.x0)

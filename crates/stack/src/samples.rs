@@ -124,6 +124,11 @@ impl SampleCounts {
         }
     }
 
+    /// Whether all pixels have as many samples.
+    pub fn is_uniform(&self) -> bool {
+        self.total.iter().all(|n| *n == self.total[0])
+    }
+
     /// Mean, least and most samples of a pixel.
     pub fn mean_min_max(&self) -> (f64, u32, u32) {
         let sum: u64 = self.total.iter().map(|&n| u64::from(n)).sum();

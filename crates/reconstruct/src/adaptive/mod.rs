@@ -48,10 +48,11 @@ impl AdaptiveSettings {
 
     /// What is added to the squared luminance of this picture.
     fn epsilon_for(&self, picture: &Image) -> f32 {
-        match typical_brightness(picture) {
-            Some(brightness) if self.exposed > 0.0 => self.epsilon * (brightness as f32 / self.exposed).powi(2),
-            _ => self.epsilon,
+        if self.exposed == 0.0 {
+            return self.epsilon;
         }
+        let darker = |brightness: f64| (brightness as f32 / self.exposed).powi(2);
+        self.epsilon * typical_brightness(picture).map_or(1.0, darker)
     }
 }
 

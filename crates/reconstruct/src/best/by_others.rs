@@ -51,13 +51,12 @@ pub fn rebuilt_by_others(
     settings: &BestSettings,
     monitor: &dyn Monitor,
 ) -> Result<Option<Vec<Vec<f32>>>, Cancelled> {
-    let Some(noisy) = noisy.iter().map(|feature| Noisy::of(feature, counts, settings)).collect::<Option<Vec<_>>>()
-    else {
-        return Ok(None);
-    };
-    let of_half = |half: usize| noisy.iter().flat_map(|noisy| noisy.halves[half].clone()).collect::<Vec<_>>();
-    let halves = [of_half(0), of_half(1)];
-    let variances: Vec<Vec<f32>> = noisy.into_iter().flat_map(|noisy| noisy.variances).collect();
+    let (mut halves, mut variances) = ([Vec::new(), Vec::new()], Vec::new());
+    for feature in noisy {
+        let Some(noisy) = Noisy::of(feature, counts, settings) else { return Ok(None) };
+        halves.iter_mut().zip(noisy.halves).for_each(|(all, planes)| all.extend(planes));
+        variances.extend(noisy.variances);
+    }
     let (size, share) = (others.size, 1.0 / variances.len() as f32);
     let noise = plane(size.pixels(), |pixel| share * variances.iter().map(|plane| plane[pixel]).sum::<f32>());
     let halves = halves.each_ref().map(Vec::as_slice);

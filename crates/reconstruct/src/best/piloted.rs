@@ -65,7 +65,7 @@ impl<'a> Piloted<'a> {
         };
         drop(component);
         let noise = relative_noise(&layers);
-        let samples = share_of_samples(&stack.samples.total, &settings.regression);
+        let samples = share_of_samples(&stack.samples, &settings.regression);
         let given = Given { layers: &layers, noise: &noise, samples: samples.as_deref(), features };
         let first = first_pass::first_pass(&layers.halves, &given, &settings.regression, monitor)?;
         let passes = through_first_pass(low, &given, &settings.regression, monitor)?;
@@ -163,11 +163,13 @@ fn parts_of(component: &Component, samples: &SampleCounts, most: usize) -> Optio
 }
 
 /// Samples of every pixel over their mean; `None` where they do not count or do not differ.
-fn share_of_samples(counts: &[u32], settings: &FitSettings) -> Option<Vec<f32>> {
-    let differ = counts.windows(2).any(|pair| pair[0] != pair[1]);
-    let mean = counts.iter().map(|n| f64::from(*n)).sum::<f64>() / counts.len() as f64;
+fn share_of_samples(counts: &SampleCounts, settings: &FitSettings) -> Option<Vec<f32>> {
+    if !settings.weigh_samples || counts.is_uniform() {
+        return None;
+    }
+    let (mean, ..) = counts.mean_min_max();
     let share = |n: &u32| (f64::from((*n).max(1)) / mean) as f32;
-    (settings.weigh_samples && differ).then(|| counts.iter().map(share).collect())
+    Some(counts.total.iter().map(share).collect())
 }
 
 /// ν = variance of a half relative to the squared luminance L² + 0.001 around it, both over 5×5 pixels.

@@ -6,7 +6,7 @@ use stack::{Cancelled, Image, Monitor};
 use super::given::Given;
 use super::halves::{halves_of, luminance};
 use super::settings::FitSettings;
-use crate::box_filter::box_mean;
+use crate::box_filter::box_mean_twice;
 use crate::collaborative::{Fitted, Guides, Kernel, Ridge, collaborate, units};
 use crate::patch_distance::Comparison;
 use crate::per_pixel::plane;
@@ -105,7 +105,7 @@ fn tolerated(pilot: &Image, first: &[Image; 2], tolerance: f32) -> Vec<Vec<f32>>
         .zip(b)
         .map(|(a, b)| {
             let spread = plane(size.pixels(), |pixel| 0.25 * (a[pixel] - b[pixel]) * (a[pixel] - b[pixel]));
-            let mut smooth = box_mean(&box_mean(&spread, size, 2), size, 2);
+            let mut smooth = box_mean_twice(&spread, size, 2);
             smooth.par_iter_mut().zip(&pilot).for_each(|(s, m)| *s += tolerance * (m * m + 1e-3));
             smooth
         })

@@ -84,13 +84,13 @@ pub fn split(
     let size = component.radiance.mean.size();
     // Our own differ by a sample or so where they come in pairs of buckets.
     let may_differ = !matches!(counts.dealing, Dealing::Numbered { .. }) || buckets.len() % 2 == 1;
-    let (of_halves, totals, counts) = (counts.grouped(2), &counts.total, counts.grouped(buckets.len()));
+    let (of_halves, of_buckets) = (counts.grouped(2), counts.grouped(buckets.len()));
     let luminances: Vec<Vec<f32>> = (0..buckets.len())
         .into_par_iter()
-        .map(|bucket| (0..size.pixels()).map(|pixel| luminance(buckets, &counts, bucket, pixel)).collect())
+        .map(|bucket| (0..size.pixels()).map(|pixel| luminance(buckets, &of_buckets, bucket, pixel)).collect())
         .collect();
-    let caps = caps(size, &luminances, totals, settings);
-    let cut = Cut { buckets, luminances: &luminances, caps: &caps, counts, halves: &of_halves };
+    let caps = caps(size, &luminances, counts, settings);
+    let cut = Cut { buckets, luminances: &luminances, caps: &caps, counts: of_buckets, halves: &of_halves };
     let mut planes = planes_by_eight(size.pixels(), &cut).into_iter();
     let mut image = || Image::from_channels(size, planes.by_ref().take(3).collect());
     let mut halves = [image(), image()];

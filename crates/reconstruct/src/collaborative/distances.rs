@@ -61,7 +61,7 @@ impl<'a> WindowDistances<'a> {
     /// What is summed over a patch.
     fn terms<const PICTURES: usize>(&self, [x, y]: [usize; 2], pictures: [usize; PICTURES]) -> Vec<Term<PICTURES>> {
         let Guides { size, variances, comparison, radius, .. } = *self.guides;
-        let patch = Rectangle { x0: x, y0: y, x1: x + 1, y1: y + 1 }.grown(comparison.patch_radius, size);
+        let patch = Rectangle::around([x, y], comparison.patch_radius, size);
         let pixels = (patch.y0..patch.y1).flat_map(|y| (patch.x0..patch.x1).map(move |x| [x, y]));
         let channels = variances.len();
         let term = |[x, y]: [usize; 2], channel: usize| {

@@ -1,13 +1,14 @@
 //! What a pixel's buckets are cut at.
 
 use rayon::prelude::*;
-use stack::Size;
+use stack::{SampleCounts, Size};
 
 use super::high_ranks::{HighRanks, Ranks, above_quartile, high_ranks};
 use super::sparse::rises;
 use crate::best::settings::SplitSettings;
-use crate::box_filter::box_mean;
+use crate::box_filter::box_mean_twice;
 use crate::per_pixel;
+use crate::rectangle::Rectangle;
 
 /// Least luminance that anything is cut at.
 const LEAST_CAP: f32 = 1e-4;
@@ -18,15 +19,14 @@ const MOVED: [f32; 2] = [0.6, 4.0];
 /// Luminance above which each pixel's buckets are cut: a multiple of what the surroundings reach, evened out; more where
 /// a quarter of its own buckets do, as far as that is no chance. `luminances` of the buckets of an image of `size` are
 /// ≥ 0, or `NOTHING` where there is no sample.
-pub fn caps(size: Size, luminances: &[Vec<f32>], samples: &[u32], settings: &SplitSettings) -> Vec<f32> {
+pub fn caps(size: Size, luminances: &[Vec<f32>], samples: &SampleCounts, settings: &SplitSettings) -> Vec<f32> {
     Task { size, luminances, samples, settings }.caps()
 }
 
 struct Task<'a> {
     size: Size,
     luminances: &'a [Vec<f32>],
-    /// Of each pixel.
-    samples: &'a [u32],
+    samples: &'a SampleCounts,
     settings: &'a SplitSettings,
 }
 
@@ -35,8 +35,7 @@ impl Task<'_> {
         let SplitSettings { radius, quantile, factor, .. } = *self.settings;
         let ranks = Ranks { radius, share: quantile };
         let high = high_ranks(self.size, self.luminances, ranks).unwrap_or_else(|| self.selected(ranks));
-        let around = self.evened_out(&high.around);
-        let around = self.wider_where_few(around);
+        let around = self.higher_where_few(self.evened_out(&high.around));
         let cap = |(pixel, (around, own)): (usize, (&f32, &f32))| {
             let reached = factor * around;
             let excess = (own - reached).max(0.0);
@@ -57,20 +56,20 @@ impl Task<'_> {
             return reached.to_vec();
         }
         let logarithms: Vec<f32> = reached.par_iter().map(|v| v.max(LEAST_CAP).ln()).collect();
-        let smooth = box_mean(&box_mean(&logarithms, self.size, radius), self.size, radius);
+        let smooth = box_mean_twice(&logarithms, self.size, radius);
         let [least, most] = MOVED;
         let moved = |(smooth, v): (&f32, &f32)| smooth.exp().clamp(least * v, most * v.max(LEAST_CAP));
         smooth.par_iter().zip(reached).map(moved).collect()
     }
 
     /// The same where pixels have fewer samples than those around them, as much higher as a bucket of so few may be.
-    fn wider_where_few(&self, mut reached: Vec<f32>) -> Vec<f32> {
+    fn higher_where_few(&self, mut reached: Vec<f32>) -> Vec<f32> {
         let SplitSettings { few, smoothing, .. } = *self.settings;
-        if few == 0.0 || self.samples.iter().all(|n| *n == self.samples[0]) {
+        if few == 0.0 || self.samples.is_uniform() {
             return reached;
         }
-        let samples: Vec<f32> = self.samples.iter().map(|n| *n as f32).collect();
-        let around = box_mean(&box_mean(&samples, self.size, smoothing), self.size, smoothing);
+        let samples: Vec<f32> = self.samples.total.iter().map(|n| *n as f32).collect();
+        let around = box_mean_twice(&samples, self.size, smoothing);
         let pixels = reached.par_iter_mut().zip(&samples).zip(&around);
         pixels.for_each(|((reached, own), around)| *reached *= (around / own.max(1.0)).max(1.0).powf(few));
         reached
@@ -110,13 +109,13 @@ impl Task<'_> {
 
     /// The same of a pixel and those around it.
     fn surroundings(&self, pixel: usize) -> Vec<f32> {
-        let (x, y, radius) = (pixel % self.size.width, pixel / self.size.width, self.settings.radius);
-        let columns = x.saturating_sub(radius)..(x + radius + 1).min(self.size.width);
-        let mut values = Vec::with_capacity((2 * radius + 1).pow(2) * self.luminances.len());
-        for row in y.saturating_sub(radius)..(y + radius + 1).min(self.size.height) {
-            let near = self.size.index(columns.start, row);
+        let place = [pixel % self.size.width, pixel / self.size.width];
+        let window = Rectangle::around(place, self.settings.radius, self.size);
+        let mut values = Vec::with_capacity(window.width() * window.height() * self.luminances.len());
+        for row in window.y0..window.y1 {
+            let near = self.size.index(window.x0, row);
             for luminances in self.luminances {
-                values.extend(luminances[near..][..columns.len()].iter().filter(|l| **l >= 0.0));
+                values.extend(luminances[near..][..window.width()].iter().filter(|l| **l >= 0.0));
             }
         }
         values

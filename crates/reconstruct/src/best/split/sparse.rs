@@ -23,8 +23,7 @@ pub fn rises(size: Size, luminances: &[Vec<f32>], caps: &[f32], most: f32) -> Op
     let light: Vec<Light> =
         tiles_of(size, BLOCK).par_iter().map(|tile| Light::of(tile, size, luminances, caps)).collect();
     let logarithm = |block: usize| {
-        let (x, y) = (block % blocks.width, block / blocks.width);
-        let near = Rectangle { x0: x, y0: y, x1: x + 1, y1: y + 1 }.grown(1, blocks);
+        let near = Rectangle::around([block % blocks.width, block / blocks.width], 1, blocks);
         let near = (near.y0..near.y1).flat_map(|y| (near.x0..near.x1).map(move |x| blocks.index(x, y)));
         rise(near.map(|block| &light[block]), most).ln()
     };

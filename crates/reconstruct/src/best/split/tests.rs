@@ -142,7 +142,7 @@ fn where_more_events_happen_to_meet_little_more_of_their_light_is_kept() {
     let (size, mut noise) = (Size::new(72, 72), TestNoise(93));
     let mut bucket = || (0..size.pixels()).map(|_| if noise.uniform() < 0.03 { 20.0 } else { 1.0 }).collect();
     let luminances: Vec<Vec<f32>> = (0..8).map(|_| bucket()).collect();
-    let samples = vec![32; size.pixels()];
+    let samples = eight_each(size);
     // Variance of the logarithm of what buckets are cut at.
     let variance = |smoothing: usize| {
         let caps = caps(size, &luminances, &samples, &SplitSettings { smoothing, ..settings() });
@@ -157,10 +157,11 @@ fn where_more_events_happen_to_meet_little_more_of_their_light_is_kept() {
 fn buckets_of_few_samples_are_cut_higher_among_others_of_many() {
     let (size, mut noise) = (Size::new(72, 72), TestNoise(94));
     let few = |pixel: usize| (30..42).contains(&(pixel % 72)) && (30..42).contains(&(pixel / 72));
-    let samples: Vec<u32> = (0..size.pixels()).map(|pixel| if few(pixel) { 8 } else { 64 }).collect();
+    let total = (0..size.pixels()).map(|pixel| if few(pixel) { 8 } else { 64 }).collect();
+    let samples = SampleCounts { total, ..eight_each(size) };
     // A tenth of all samples meets a light of 10.
     let mut bucket = |pixel: usize| {
-        let count = samples[pixel] / 8;
+        let count = samples.total[pixel] / 8;
         (0..count).filter(|_| noise.uniform() < 0.1).count() as f32 * 10.0 / count as f32
     };
     let luminances: Vec<Vec<f32>> = (0..8).map(|_| (0..size.pixels()).map(&mut bucket).collect()).collect();
