@@ -15,6 +15,7 @@ use tracer::scene::{load, read_environment};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
     Obj,
+    Gltf,
     Mtl,
     Toml,
     Exr,
@@ -31,13 +32,16 @@ struct Setting {
 }
 
 impl Target {
-    const ALL: [Self; 7] = [Self::Obj, Self::Mtl, Self::Toml, Self::Exr, Self::Hdr, Self::Picture, Self::Pfm];
+    const ALL: [Self; 8] =
+        [Self::Obj, Self::Gltf, Self::Mtl, Self::Toml, Self::Exr, Self::Hdr, Self::Picture, Self::Pfm];
 
     const fn setting(self) -> Setting {
         const PICTURE: (&str, &str) = ("a.png", "picture/a.png");
         const SKY: (&str, &str) = ("sky.hdr", "hdr/runs.hdr");
         let (name, file, beside): (_, _, &'static [_]) = match self {
             Self::Obj => ("obj", "a.obj", &[("a.mtl", "mtl/materials.mtl"), PICTURE]),
+            // Binaries are told apart by content.
+            Self::Gltf => ("gltf", "a.gltf", &[PICTURE]),
             Self::Mtl => ("mtl", "a.mtl", &[("a.obj", "obj/materials.obj"), PICTURE]),
             Self::Toml => {
                 ("toml", "a.toml", &[("a.obj", "obj/materials.obj"), ("a.mtl", "mtl/materials.mtl"), PICTURE, SKY])
@@ -89,7 +93,7 @@ impl Target {
             // Tables of rough glass, made when a ray first meets it, would take most of the time.
             Self::Mtl => load(&folder.join("a.obj")).map(|_| ()).map_err(|error| error.to_string()),
             Self::Obj => show(&folder.join("a.obj")),
-            Self::Toml => show(&folder.join(self.file())),
+            Self::Gltf | Self::Toml => show(&folder.join(self.file())),
             Self::Exr | Self::Pfm => {
                 let file = folder.join(self.file());
                 let sky = sky(&file);
@@ -103,7 +107,7 @@ impl Target {
     /// best compression its format has.
     pub const fn allowed_bytes(self, length: usize) -> usize {
         let (least, each) = match self {
-            Self::Obj | Self::Mtl | Self::Toml => (8 << 20, 4 << 10),
+            Self::Obj | Self::Gltf | Self::Mtl | Self::Toml => (8 << 20, 4 << 10),
             Self::Hdr => (8 << 20, 1 << 10),
             Self::Pfm => (8 << 20, 64),
             Self::Picture => (32 << 20, 32 << 10),

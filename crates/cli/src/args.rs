@@ -78,7 +78,7 @@ pub struct PictureArgs {
 
 #[derive(Debug, Default, Args)]
 pub struct RenderArgs {
-    /// Scene: .obj (with its MTL) or .toml.
+    /// Scene: .obj (with its MTL), .gltf, .glb or .toml.
     pub scene: PathBuf,
 
     /// Camera position.
@@ -252,7 +252,7 @@ pub struct CompareArgs {
 
 #[derive(Debug, Args)]
 pub struct InfoArgs {
-    /// Scenes (.obj, .toml) or stacks (.exr, .pfm, .phm); several files that are one stack together are read as one.
+    /// Scenes (.obj, .gltf, .glb, .toml) or stacks (.exr, .pfm, .phm); several files that are one stack together are read as one.
     #[arg(required = true)]
     pub files: Vec<String>,
     #[command(flatten)]

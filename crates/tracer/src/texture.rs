@@ -1,6 +1,6 @@
 //! Images on surfaces.
 
-use glam::{Vec2, Vec3};
+use glam::{Mat2, Vec2, Vec3};
 
 /// A decoded image, looked up bilinearly with coordinates that repeat or stop at the border.
 #[derive(Clone, Debug)]
@@ -11,9 +11,9 @@ pub struct Raster<T> {
     pub height: usize,
     /// Row-major, top row first.
     pub texels: Vec<T>,
-    /// How often the image repeats over one unit of the texture coordinates.
-    pub scale: Vec2,
-    /// Added to the scaled texture coordinates.
+    /// What texture coordinates are multiplied with: how often the image repeats over one unit of them, and how it is turned.
+    pub map: Mat2,
+    /// Added to that.
     pub offset: Vec2,
     /// Whether the image ends at its border, whose colour goes on outside, instead of repeating.
     pub clamp: bool,
@@ -72,14 +72,14 @@ impl<T: Texel> Raster<T> {
     /// When there are not `width` × `height` texels, or none: that is a mistake in the calling code.
     pub fn new(width: usize, height: usize, texels: Vec<T>) -> Self {
         assert!(!texels.is_empty() && texels.len() == width * height, "texels must fill the image");
-        Self { width, height, texels, scale: Vec2::ONE, offset: Vec2::ZERO, clamp: false }
+        Self { width, height, texels, map: Mat2::IDENTITY, offset: Vec2::ZERO, clamp: false }
     }
 
     /// What the image shows at texture coordinates `uv` (origin at the image's bottom left, as OBJ has it).
     ///
     /// Texel centres lie at half-integers. Coordinates that are not finite give the first texel.
     pub fn lookup(&self, uv: Vec2) -> T::Value {
-        let uv = self.scale * uv + self.offset;
+        let uv = self.map * uv + self.offset;
         let uv = if self.clamp { uv.clamp(Vec2::ZERO, Vec2::ONE) } else { uv };
         let (x0, x1, fx) = neighbours(uv.x, self.width, self.clamp);
         let (y0, y1, fy) = neighbours(1.0 - uv.y, self.height, self.clamp);
@@ -87,6 +87,14 @@ impl<T: Texel> Raster<T> {
         let top = T::between(texel(x0, y0), texel(x1, y0), fx);
         let bottom = T::between(texel(x0, y1), texel(x1, y1), fx);
         T::between(top, bottom, fy)
+    }
+}
+
+impl GreyTexture {
+    /// Its number, when it is the same everywhere.
+    pub fn constant(&self) -> Option<f32> {
+        let first = self.texels[0];
+        self.texels.iter().all(|texel| *texel == first).then_some(first)
     }
 }
 
@@ -140,7 +148,7 @@ mod tests {
 
     #[test]
     fn the_image_can_be_scaled_and_shifted() {
-        let t = Texture { scale: Vec2::new(2.0, 1.0), offset: Vec2::new(0.5, 0.5), ..checker() };
+        let t = Texture { map: Mat2::from_diagonal(Vec2::new(2.0, 1.0)), offset: Vec2::new(0.5, 0.5), ..checker() };
         assert_eq!(t.lookup(Vec2::new(0.375, 0.25)), checker().lookup(Vec2::new(0.25, 0.75)));
         assert_eq!(t.mean(), Vec3::splat(0.25));
     }

@@ -43,7 +43,7 @@ impl View {
 pub fn open(args: &RenderArgs, progress: &Progress) -> Result<View> {
     let start = Instant::now();
     let mut loaded = read(&args.scene, progress)?;
-    set_sky(&mut loaded.scene, args, progress)?;
+    set_sky(&mut loaded, args, progress)?;
     let camera = choose_camera(&loaded, args, progress)?;
     let (build_seconds, missing_textures) = (loaded.build_seconds, loaded.missing_textures);
     let load_seconds = start.elapsed().as_secs_f64() - build_seconds;
@@ -67,10 +67,11 @@ fn read(file: &Path, progress: &Progress) -> Result<Loaded> {
     Ok(loaded)
 }
 
-fn set_sky(scene: &mut Scene, args: &RenderArgs, progress: &Progress) -> Result<()> {
+fn set_sky(loaded: &mut Loaded, args: &RenderArgs, progress: &Progress) -> Result<()> {
+    let Loaded { scene, glow, .. } = loaded;
     if let Some(sky) = &args.env {
         scene.environment = Some(given_sky(sky, progress)?);
-    } else if let Some(guess) = guess_environment(scene) {
+    } else if let Some(guess) = guess_environment(scene, *glow) {
         scene.environment = Some(Environment::constant(guess.value));
         progress.say(&guess.line);
     }

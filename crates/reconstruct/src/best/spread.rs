@@ -152,7 +152,8 @@ impl TileTask<'_> {
         for (row, columns) in disc.rows() {
             let (of_row, others) = weights.split_at(columns.len());
             let at = (row - place.y0) * place.width() + columns.start - place.x0;
-            for (plane, light) in sums.iter_mut().zip(own) {
+            // Most events are in one half.
+            for (plane, light) in sums.iter_mut().zip(own).filter(|(_, light)| *light != 0.0) {
                 let plane = &mut plane[at..at + of_row.len()];
                 plane.iter_mut().zip(of_row).for_each(|(sum, weight)| *sum += weight * light);
             }

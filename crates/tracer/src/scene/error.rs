@@ -34,7 +34,7 @@ pub enum SceneError {
         path: PathBuf,
     },
     /// A folder stands where a file should.
-    #[error("{}: is a folder, expected a scene file (.obj or .toml)", path.display())]
+    #[error("{}: is a folder, expected a scene file (.obj, .gltf, .glb or .toml)", path.display())]
     IsFolder {
         /// The folder.
         path: PathBuf,
@@ -48,7 +48,7 @@ pub enum SceneError {
         source: std::io::Error,
     },
     /// The file's name does not say what it holds.
-    #[error("{}: expected a file that ends in .obj or .toml; convert other scenes to OBJ", path.display())]
+    #[error("{}: expected a file that ends in .obj, .gltf, .glb or .toml; convert other scenes to one of these", path.display())]
     UnknownFormat {
         /// The file.
         path: PathBuf,
@@ -76,6 +76,14 @@ pub enum SceneError {
         expected: String,
         /// What stands there.
         found: String,
+    },
+    /// A glTF file that holds a mistake, or needs what is not supported.
+    #[error("{}: {reason}", path.display())]
+    BadGltf {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
     },
     /// A name that is not known.
     #[error("{place}: there is no {what} '{name}'{}", nearest.as_ref().map_or(String::new(), |n| format!("; did you mean '{n}'?")))]

@@ -8,6 +8,7 @@ use stack::file::extension;
 
 use super::description::{Light, RawRender, SceneDescription, SkyDescription, Stand, read_description};
 use super::environment_file::read_environment;
+use super::gltf::{GltfFile, read_gltf};
 use super::notes::Notes;
 use super::obj::{find_file, read_obj};
 use super::textures::TextureFiles;
@@ -24,6 +25,9 @@ pub struct Loaded {
     pub scene: Scene,
     /// Cameras with their names, in the file's order; an OBJ file has none.
     pub cameras: Vec<(Option<String>, CameraDescription)>,
+    /// Radiance up to which what emits is to be looked at rather than to light anything: 1, the white of a display, in glTF
+    /// files; 0 elsewhere.
+    pub glow: f32,
     /// What was missing or ignored, one sentence each.
     pub notes: Vec<String>,
     /// The `[render]` table, as written.
@@ -38,7 +42,7 @@ pub struct Loaded {
     pub missing_textures: usize,
 }
 
-/// Loads the scene at `path`: an OBJ file by itself, or a `.toml` file that puts several together.
+/// Loads the scene at `path`: an OBJ or glTF file by itself, or a `.toml` file that puts several together.
 ///
 /// # Errors
 /// When a file is missing, cannot be read, or holds a mistake; the error says where and what was expected.
@@ -48,6 +52,7 @@ pub fn load(path: &Path) -> Result<Loaded, SceneError> {
     }
     match extension(path).as_str() {
         "obj" => load_obj(path),
+        "gltf" | "glb" => load_gltf(path),
         "toml" => load_toml(path),
         _ if !path.exists() => Err(SceneError::Missing { path: path.into() }),
         _ => Err(SceneError::UnknownFormat { path: path.into() }),
@@ -59,6 +64,15 @@ fn load_obj(path: &Path) -> Result<Loaded, SceneError> {
     let mesh = parts.mesh(path)?;
     parts.instances.push(Instance { mesh, placement: Placement::IDENTITY, motion: None });
     parts.finish(SceneDescription::default(), None)
+}
+
+fn load_gltf(path: &Path) -> Result<Loaded, SceneError> {
+    let mut notes = Notes::default();
+    let file = read_gltf(path, &mut notes)?;
+    let GltfFile { meshes, instances, materials, delta_lights, cameras } = file;
+    let parts = Parts { meshes, instances, materials, delta_lights, notes, files: HashMap::new() };
+    let loaded = parts.finish(SceneDescription { cameras, ..SceneDescription::default() }, None)?;
+    Ok(Loaded { glow: 1.0, ..loaded })
 }
 
 fn load_toml(path: &Path) -> Result<Loaded, SceneError> {
@@ -94,21 +108,32 @@ struct Parts {
 }
 
 impl Parts {
-    /// Index of the mesh in an OBJ file, which is read once.
+    /// Index of the mesh in an OBJ or glTF file, which is read once.
     fn mesh(&mut self, path: &Path) -> Result<usize, SceneError> {
         if let Some(&index) = self.files.get(path) {
             return Ok(index);
         }
-        if extension(path) != "obj" && path.exists() && !path.is_dir() {
-            return Err(SceneError::UnknownFormat { path: path.into() });
-        }
-        let mut file = read_obj(path, &mut self.notes)?;
+        let (mut mesh, mut materials) = match extension(path).as_str() {
+            "gltf" | "glb" => self.gltf_mesh(path)?,
+            "obj" => read_obj(path, &mut self.notes).map(|file| (file.mesh, file.materials))?,
+            _ if path.exists() && !path.is_dir() => return Err(SceneError::UnknownFormat { path: path.into() }),
+            _ => return Err(SceneError::Missing { path: path.into() }),
+        };
         let first = self.materials.len() as u32;
-        file.mesh.materials.iter_mut().for_each(|m| *m += first);
-        self.materials.append(&mut file.materials);
-        self.meshes.push(file.mesh);
+        mesh.materials.iter_mut().for_each(|m| *m += first);
+        self.materials.append(&mut materials);
+        self.meshes.push(mesh);
         self.files.insert(path.into(), self.meshes.len() - 1);
         Ok(self.meshes.len() - 1)
+    }
+
+    /// All meshes of a glTF file as one. Cameras and lights are those of the scene that it is part of.
+    fn gltf_mesh(&mut self, path: &Path) -> Result<(Mesh, Vec<Material>), SceneError> {
+        let file = read_gltf(path, &mut self.notes)?;
+        if !file.cameras.is_empty() || !file.delta_lights.is_empty() {
+            self.notes.add(format!("{}: cameras and lights are left out, only meshes are taken", path.display()));
+        }
+        Ok(file.into_mesh())
     }
 
     fn light(&mut self, light: Light, number: usize) {
@@ -151,6 +176,7 @@ impl Parts {
             missing_textures: notes.missing_textures(),
             scene,
             cameras: description.cameras,
+            glow: 0.0,
             notes: notes.into_lines(),
             render: description.render,
         })

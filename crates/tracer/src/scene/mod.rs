@@ -7,6 +7,7 @@ mod description;
 mod emitters;
 mod environment_file;
 mod error;
+mod gltf;
 mod guess;
 mod instance;
 mod load;

@@ -1,7 +1,7 @@
 //! Decoding pictures.
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{BufRead, Cursor, Read, Seek};
 use std::path::Path;
 
 use image::{DynamicImage, ImageDecoder, ImageReader, Rgb32FImage, Rgba32FImage};
@@ -16,10 +16,23 @@ pub(super) fn decode(file: &Path) -> Result<DynamicImage, String> {
         return decode_floats(file);
     }
     let reader = ImageReader::open(file).and_then(ImageReader::with_guessed_format).map_err(|e| e.to_string())?;
+    decode_all(reader, file.metadata().map_err(|e| e.to_string())?.len())
+}
+
+/// Decodes the bytes of a picture other than OpenEXR and PFM.
+///
+/// # Errors
+/// In words, why they cannot be decoded.
+pub(super) fn decode_bytes(bytes: &[u8]) -> Result<DynamicImage, String> {
+    let reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| e.to_string())?;
+    decode_all(reader, bytes.len() as u64)
+}
+
+/// Decodes a picture of `length` bytes.
+fn decode_all(reader: ImageReader<impl BufRead + Seek>, length: u64) -> Result<DynamicImage, String> {
     let decoder = reader.into_decoder().map_err(|e| e.to_string())?;
     let (width, height) = decoder.dimensions();
     let bits = u64::from(width) * u64::from(height) * u64::from(decoder.original_color_type().bits_per_pixel());
-    let length = file.metadata().map_err(|e| e.to_string())?.len();
     if bits / 8 > length.saturating_mul(MOST_COMPRESSED) {
         return Err(format!("its header claims {width}x{height} pixels, but it has {length} bytes"));
     }

@@ -14,7 +14,7 @@ use super::values::Triple;
 toml_table! {
     /// A mesh file and where it stands.
     pub(super) struct GeometryTable {
-        /// an OBJ file, relative to the scene file; one that is named several times is read and stored once
+        /// an OBJ or glTF file, relative to the scene file; one that is named several times is read and stored once
         required file: PathBuf;
         /// where it stands: either `matrix`, or any of the other three
         optional transform: TransformTable = "identity";

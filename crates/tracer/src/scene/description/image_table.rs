@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use glam::Vec2;
+use glam::{Mat2, Vec2};
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -63,7 +63,7 @@ impl ImageTable {
     pub(super) fn texture_use(&self) -> TextureUse {
         TextureUse {
             file: self.file().to_string_lossy().into_owned(),
-            scale: Vec2::from_array(self.scale()),
+            map: Mat2::from_diagonal(self.scale().into()),
             offset: Vec2::from_array(self.offset()),
             clamp: self.wrap() == Wrap::Clamp,
             strength: self.factor().0[0] as f32,

@@ -41,11 +41,13 @@ pub fn guess_camera(scene: &Scene) -> Guess<CameraDescription> {
     Guess { value: camera, line }
 }
 
-/// A soft constant sky, when nothing emits and there is no sky.
-pub fn guess_environment(scene: &Scene) -> Option<Guess<Vec3>> {
-    let dark = scene.environment.is_none() && scene.emitters.is_empty() && scene.delta_lights.is_empty();
-    let line =
-        format!("nothing emits light: a constant sky is assumed, as with --env {SOFT_SKY},{SOFT_SKY},{SOFT_SKY}");
+/// A soft constant sky, when there is none and nothing emits more than a `glow`, the radiance that is to be looked at rather
+/// than to light anything.
+pub fn guess_environment(scene: &Scene, glow: f32) -> Option<Guess<Vec3>> {
+    let lit = scene.emitters.iter().any(|emitter| emitter.radiance.max_element() > glow);
+    let dark = scene.environment.is_none() && !lit && scene.delta_lights.is_empty();
+    let why = if scene.emitters.is_empty() { "nothing emits light" } else { "nothing shines, some of it only glows" };
+    let line = format!("{why}: a constant sky is assumed, as with --env {SOFT_SKY},{SOFT_SKY},{SOFT_SKY}");
     dark.then(|| Guess { value: Vec3::splat(SOFT_SKY), line })
 }
 

@@ -82,11 +82,14 @@ fn the_line_can_be_typed_and_the_guess_does_not_change() {
 
 #[test]
 fn a_sky_is_assumed_where_nothing_emits() {
-    assert_eq!(guess_environment(&cube(&[], false, false)).unwrap().value, Vec3::ONE);
-    assert_eq!(guess_environment(&cube(&[], false, true)), None);
+    assert_eq!(guess_environment(&cube(&[], false, false), 0.0).unwrap().value, Vec3::ONE);
+    let lit = cube(&[], false, true);
+    assert_eq!(guess_environment(&lit, 0.0), None);
+    let glow = lit.emitters[0].radiance.max_element();
+    assert!(guess_environment(&lit, 0.99 * glow).is_none() && guess_environment(&lit, glow).is_some());
     let mut scene = cube(&[], false, false);
     scene.environment = Some(crate::environment::Environment::constant(Vec3::ZERO));
-    assert_eq!(guess_environment(&scene), None);
+    assert_eq!(guess_environment(&scene, 0.0), None);
 }
 
 /// A file among the shared scenes, when they are there.

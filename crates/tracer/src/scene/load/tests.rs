@@ -169,7 +169,11 @@ fn materials_may_be_given_images() {
         must("emission = { file = \"a.png\", factor = [2, 20, 2], wrap = \"clamp\", scale = [2, 3], offset = [1, 0] }");
     assert!(near(lamp.emission.at(at) / 10.0, [0.2, 1.006, 0.0]));
     let texture = lamp.emission.texture.unwrap();
-    assert!(texture.clamp && texture.scale == glam::Vec2::new(2.0, 3.0) && texture.offset == glam::Vec2::X);
+    assert!(
+        texture.clamp
+            && texture.map == glam::Mat2::from_diagonal(glam::Vec2::new(2.0, 3.0))
+            && texture.offset == glam::Vec2::X
+    );
     let veil = must("alpha = { file = \"a.png\", factor = 0.5 }").maps.opacity.unwrap();
     assert!((veil.at(at) - 0.1).abs() < 1e-6, "the image's alpha");
     let veil = must("alpha = { file = \"a.png\", channel = \"red\" }").maps.opacity.unwrap();
@@ -366,7 +370,7 @@ fn values_that_cannot_be_are_told_with_their_line() {
 fn what_is_no_scene_file_is_refused() {
     let folder = folder("");
     let refuse = |name: &str| load(&folder.path().join(name)).unwrap_err().to_string();
-    assert!(refuse("a.mtl").contains("expected a file that ends in .obj or .toml"));
+    assert!(refuse("a.mtl").contains("expected a file that ends in .obj, .gltf, .glb or .toml"));
     assert!(refuse("none.xyz").contains("no such file"));
     assert!(refuse("").contains("is a folder"));
     assert!(load(Path::new("no/such/scene.toml")).unwrap_err().to_string().contains("no such file"));

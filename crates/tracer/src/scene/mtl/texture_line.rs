@@ -1,6 +1,6 @@
 //! Texture statements: options and a file name.
 
-use glam::Vec2;
+use glam::{Mat2, Vec2};
 
 use super::super::textures::{Channel, TextureUse};
 
@@ -11,7 +11,11 @@ pub(super) fn parse(text: &str) -> Option<TextureUse> {
     while let Some((option, after)) = rest.strip_prefix('-').and_then(|r| r.split_once(char::is_whitespace)) {
         rest = after.trim_start();
         match option {
-            "s" => rest = take_vector(rest, &mut line.scale),
+            "s" => {
+                let mut scale = Vec2::ONE;
+                rest = take_vector(rest, &mut scale);
+                line.map = Mat2::from_diagonal(scale);
+            }
             "o" => rest = take_vector(rest, &mut line.offset),
             "t" => rest = take_vector(rest, &mut Vec2::ZERO.clone()),
             "mm" => rest = skip_words(rest, 2),
@@ -74,7 +78,8 @@ mod tests {
         let plain = TextureUse::plain("a b.png".into());
         assert_eq!(parse(" a b.png "), Some(plain.clone()));
         assert_eq!(parse("-blendu on -texres 512 -mm 0.1 2 a b.png"), Some(plain.clone()));
-        let scaled = TextureUse { scale: Vec2::new(2.0, 3.0), offset: Vec2::new(0.5, 0.0), ..plain.clone() };
+        let scaled =
+            TextureUse { map: Mat2::from_diagonal(Vec2::new(2.0, 3.0)), offset: Vec2::new(0.5, 0.0), ..plain.clone() };
         assert_eq!(parse("-s 2 3 1 -o .5 -clamp off a b.png"), Some(scaled));
         let bump = TextureUse { clamp: true, strength: 0.25, channel: Some(Channel::Alpha), ..plain };
         assert_eq!(parse("-clamp on -bm .25 -imfchan m a b.png"), Some(bump));

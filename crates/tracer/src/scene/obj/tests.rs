@@ -183,7 +183,8 @@ fn textures_are_found_ignoring_case_and_backslashes_and_missed_with_a_note() {
     let (file, notes) = read(&obj, &[("m.mtl", mtl), ("tex/red.png", png.get_ref())]);
     let Surface::Diffuse { reflectance } = &file.materials[0].surface else { panic!("not diffuse") };
     let texture = reflectance.texture.as_ref().unwrap();
-    assert_eq!((texture.texels[0], texture.scale), ([1.0, 0.0, 0.0], glam::Vec2::new(2.0, 1.0)));
+    assert_eq!(texture.texels[0], [1.0, 0.0, 0.0]);
+    assert_eq!(texture.map, glam::Mat2::from_diagonal(glam::Vec2::new(2.0, 1.0)));
     let Surface::Diffuse { reflectance } = &file.materials[1].surface else { panic!("not diffuse") };
     assert!(reflectance.texture.is_none() && reflectance.factor == Vec3::Y);
     assert_eq!(notes.len(), 2);

@@ -8,13 +8,13 @@ use std::sync::Arc;
 use image::DynamicImage;
 
 use super::super::obj::find_file;
-use super::super::picture_file::{decode, linear_rgb, plain_rgb, plain_rgba};
+use super::super::picture_file::{decode, decode_bytes, linear_rgb, plain_rgb, plain_rgba};
 use super::bump::{is_normal_map, normals_of_heights, steeper};
 use super::{Channel, TextureUse};
 use crate::texture::{GreyTexture, Raster, Texel, Texture};
 
-/// Where an image lies on the surface: scale, offset, and whether it is clamped.
-type Layout = ([u32; 4], bool);
+/// Where an image lies on the surface: map, offset, and whether it is clamped.
+type Layout = ([u32; 6], bool);
 
 /// What has been made of which file, laid out how; the third number tells what was made of it.
 type Made<K, T> = HashMap<(PathBuf, Layout, K), Arc<Raster<T>>>;
@@ -22,10 +22,18 @@ type Made<K, T> = HashMap<(PathBuf, Layout, K), Arc<Raster<T>>>;
 /// Reads images, and makes each texture once.
 #[derive(Debug)]
 pub(in super::super) struct TextureFiles<'a> {
-    folder: &'a Path,
+    images: Images<'a>,
     colours: Made<(), [f32; 3]>,
     normals: Made<Relief, [f32; 3]>,
     greys: Made<Numbers, f32>,
+}
+
+/// Where images are.
+#[derive(Debug)]
+struct Images<'a> {
+    folder: &'a Path,
+    /// Files that are not on disk, by name.
+    held: HashMap<String, Vec<u8>>,
 }
 
 /// How normals are read from an image.
@@ -42,6 +50,8 @@ enum Relief {
 enum Numbers {
     /// As they stand.
     Plain(Channel),
+    /// Alpha, 1 where there is none; where these are the bits of a number, 1 from it on and else 0.
+    Alpha(Option<u32>),
     /// As shares of the Phong exponent in these bits; the numbers are its roughness over that of the whole exponent.
     Exponents(Channel, u32),
 }
@@ -49,7 +59,23 @@ enum Numbers {
 impl<'a> TextureFiles<'a> {
     /// Reads images named by files in `folder`.
     pub(in super::super) fn new(folder: &'a Path) -> Self {
-        Self { folder, colours: HashMap::new(), normals: HashMap::new(), greys: HashMap::new() }
+        let images = Images { folder, held: HashMap::new() };
+        Self { images, colours: HashMap::new(), normals: HashMap::new(), greys: HashMap::new() }
+    }
+
+    /// Takes the `bytes` of an image that is not on disk, unless it holds one of that name.
+    ///
+    /// # Errors
+    /// When there are none.
+    pub(in super::super) fn hold(
+        &mut self,
+        name: &str,
+        bytes: impl FnOnce() -> Result<Vec<u8>, String>,
+    ) -> Result<(), String> {
+        if !self.images.held.contains_key(name) {
+            self.images.held.insert(name.into(), bytes()?);
+        }
+        Ok(())
     }
 
     /// The colours of an image.
@@ -57,7 +83,7 @@ impl<'a> TextureFiles<'a> {
     /// # Errors
     /// In words, why there are none.
     pub(in super::super) fn colours(&mut self, texture: &TextureUse) -> Result<Arc<Texture>, String> {
-        made(self.folder, texture, (), &mut self.colours, |image| Ok(linear_rgb(image)))
+        made(&self.images, texture, (), &mut self.colours, |image| Ok(linear_rgb(image)))
     }
 
     /// The normals of a normal map.
@@ -66,7 +92,7 @@ impl<'a> TextureFiles<'a> {
     /// In words, why there is none.
     pub(in super::super) fn normals(&mut self, texture: &TextureUse) -> Result<Arc<Texture>, String> {
         let relief = Relief::Normals(texture.strength.to_bits());
-        made(self.folder, texture, relief, &mut self.normals, |image| {
+        made(&self.images, texture, relief, &mut self.normals, |image| {
             let (size, mut pixels) = plain_rgb(image);
             steeper(&mut pixels, texture.strength);
             Ok((size, pixels))
@@ -79,7 +105,7 @@ impl<'a> TextureFiles<'a> {
     /// In words, why there are none.
     pub(in super::super) fn bumps(&mut self, texture: &TextureUse) -> Result<Arc<Texture>, String> {
         let relief = Relief::Heights(texture.strength.to_bits());
-        made(self.folder, texture, relief, &mut self.normals, |image| {
+        made(&self.images, texture, relief, &mut self.normals, |image| {
             let (size, pixels) = plain_rgb(image);
             if is_normal_map(&pixels) {
                 return Ok((size, pixels));
@@ -95,7 +121,23 @@ impl<'a> TextureFiles<'a> {
     /// In words, why there are none.
     pub(in super::super) fn greys(&mut self, texture: &TextureUse, usual: Channel) -> Result<Arc<GreyTexture>, String> {
         let channel = texture.channel.unwrap_or(usual);
-        made(self.folder, texture, Numbers::Plain(channel), &mut self.greys, |image| Ok(channel_of(image, channel)))
+        made(&self.images, texture, Numbers::Plain(channel), &mut self.greys, |image| Ok(channel_of(image, channel)))
+    }
+
+    /// The alpha of an image, 1 where it has none; with a `cutoff`, 1 from that on and else 0.
+    ///
+    /// # Errors
+    /// In words, why there is none.
+    pub(in super::super) fn alphas(
+        &mut self,
+        texture: &TextureUse,
+        cutoff: Option<f32>,
+    ) -> Result<Arc<GreyTexture>, String> {
+        made(&self.images, texture, Numbers::Alpha(cutoff.map(f32::to_bits)), &mut self.greys, |image| {
+            let (size, pixels) = plain_rgba(image);
+            let there = |alpha: f32| cutoff.map_or(alpha, |cutoff| if alpha >= cutoff { 1.0 } else { 0.0 });
+            Ok((size, pixels.into_iter().map(|[.., alpha]| there(alpha)).collect()))
+        })
     }
 
     /// Of an image of shares of the Phong exponent `exponent`, what the square root of `alpha(exponent)` is to be multiplied
@@ -111,7 +153,7 @@ impl<'a> TextureFiles<'a> {
     ) -> Result<Arc<GreyTexture>, String> {
         let channel = texture.channel.unwrap_or(Channel::Luminance);
         let kind = Numbers::Exponents(channel, exponent.to_bits());
-        made(self.folder, texture, kind, &mut self.greys, |image| {
+        made(&self.images, texture, kind, &mut self.greys, |image| {
             let (size, shares) = channel_of(image, channel);
             let roughness = |share: f32| (alpha(share.max(0.0) * exponent) / alpha(exponent)).sqrt();
             Ok((size, shares.into_iter().map(roughness).collect()))
@@ -121,27 +163,29 @@ impl<'a> TextureFiles<'a> {
 
 /// The texture `make` makes of the image that `texture` names, or the one it made before.
 fn made<K: Copy + Eq + Hash, T: Texel>(
-    folder: &Path,
+    images: &Images,
     texture: &TextureUse,
     kind: K,
     before: &mut Made<K, T>,
     make: impl FnOnce(&DynamicImage) -> Result<([usize; 2], Vec<T>), String>,
 ) -> Result<Arc<Raster<T>>, String> {
-    let file = find_file(folder, &texture.file).ok_or_else(|| format!("texture '{}' is missing", texture.file))?;
-    let layout =
-        ([texture.scale.x, texture.scale.y, texture.offset.x, texture.offset.y].map(f32::to_bits), texture.clamp);
+    let held = images.held.get(&texture.file);
+    let file = match held {
+        Some(_) => PathBuf::from(&texture.file),
+        None => {
+            find_file(images.folder, &texture.file).ok_or_else(|| format!("texture '{}' is missing", texture.file))?
+        }
+    };
+    let ([a, b, c, d], [x, y]) = (texture.map.to_cols_array(), texture.offset.to_array());
+    let layout = ([a, b, c, d, x, y].map(f32::to_bits), texture.clamp);
     let key = (file.clone(), layout, kind);
     if let Some(texture) = before.get(&key) {
         return Ok(texture.clone());
     }
-    let image = decode(&file).and_then(|image| make(&image));
+    let image = held.map_or_else(|| decode(&file), |bytes| decode_bytes(bytes)).and_then(|image| make(&image));
     let ([width, height], texels) = image.map_err(|e| format!("texture '{}' cannot be read: {e}", texture.file))?;
-    let texture = Raster {
-        scale: texture.scale,
-        offset: texture.offset,
-        clamp: texture.clamp,
-        ..Raster::new(width, height, texels)
-    };
+    let texture =
+        Raster { map: texture.map, offset: texture.offset, clamp: texture.clamp, ..Raster::new(width, height, texels) };
     Ok(before.entry(key).or_insert(Arc::new(texture)).clone())
 }
 

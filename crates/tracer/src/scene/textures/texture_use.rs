@@ -1,6 +1,6 @@
 //! Which image, and how it is laid on a surface.
 
-use glam::Vec2;
+use glam::{Mat2, Vec2};
 use serde::Deserialize;
 
 /// Which image, and how it is laid on a surface.
@@ -8,9 +8,9 @@ use serde::Deserialize;
 pub(in super::super) struct TextureUse {
     /// File name as written, blanks and all.
     pub(in super::super) file: String,
-    /// How often the image repeats over one unit of the texture coordinates.
-    pub(in super::super) scale: Vec2,
-    /// What is added to the scaled texture coordinates.
+    /// What texture coordinates are multiplied with: how often the image repeats over one unit of them, and how it is turned.
+    pub(in super::super) map: Mat2,
+    /// What is added to that.
     pub(in super::super) offset: Vec2,
     /// Whether the image ends at its border, whose colour goes on outside, instead of repeating.
     pub(in super::super) clamp: bool,
@@ -34,6 +34,6 @@ pub(in super::super) enum Channel {
 impl TextureUse {
     /// An image that covers texture coordinates 0 … 1 once, and repeats.
     pub(in super::super) const fn plain(file: String) -> Self {
-        Self { file, scale: Vec2::ONE, offset: Vec2::ZERO, clamp: false, strength: 1.0, channel: None }
+        Self { file, map: Mat2::IDENTITY, offset: Vec2::ZERO, clamp: false, strength: 1.0, channel: None }
     }
 }

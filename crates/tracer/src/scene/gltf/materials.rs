@@ -1,0 +1,191 @@
+//! Materials of a glTF file: base colour, metalness, roughness, and what extensions add.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use glam::Vec3;
+use gltf::material::AlphaMode;
+
+use super::super::look::{COMMON_COAT, Look};
+use super::super::notes::Notes;
+use super::super::textures::{Channel, TextureFiles, TextureUse};
+use super::buffers::Buffers;
+use super::placed_textures::PlacedTexture;
+use crate::material::{Colour, Grey, Material, Surface, SurfaceMaps};
+
+/// The materials of `document`, the last one for primitives that have none, and which set of texture coordinates each is
+/// laid out by. Textures that are not there are left out and noted.
+pub(super) fn read_materials(
+    document: &gltf::Document,
+    buffers: &Buffers,
+    folder: &Path,
+    notes: &mut Notes,
+) -> (Vec<Material>, Vec<u32>) {
+    let mut reader = Reader { document, buffers, files: TextureFiles::new(folder), notes };
+    let (mut materials, mut sets) = (Vec::new(), Vec::new());
+    for material in document.materials() {
+        let name = material.name().map_or_else(|| format!("material {}", materials.len()), str::to_owned);
+        let one = One { material: &material, name, set: set_of(&material) };
+        sets.push(one.set);
+        materials.push(reader.material(one));
+    }
+    // What the specification gives them is rough white metal; viewers and their users know dull grey.
+    let grey = Surface::Diffuse { reflectance: Colour::constant(Vec3::splat(0.5)) };
+    materials.push(Material::new("no material", grey, Vec3::ZERO));
+    sets.push(0);
+    (materials, sets)
+}
+
+/// The texture coordinates of the first texture that there is: meshes keep one set.
+fn set_of(material: &gltf::Material) -> u32 {
+    let pbr = material.pbr_metallic_roughness();
+    let infos = [pbr.base_color_texture(), pbr.metallic_roughness_texture(), material.emissive_texture()];
+    let placed = infos.into_iter().flatten().next().map(|info| PlacedTexture::of(&info).set);
+    placed.or(material.normal_texture().map(|normal| normal.tex_coord())).unwrap_or(0)
+}
+
+struct Reader<'a> {
+    document: &'a gltf::Document,
+    buffers: &'a Buffers,
+    files: TextureFiles<'a>,
+    notes: &'a mut Notes,
+}
+
+/// A material that is being read.
+struct One<'a> {
+    material: &'a gltf::Material<'a>,
+    name: String,
+    set: u32,
+}
+
+impl Reader<'_> {
+    fn material(&mut self, one: One) -> Material {
+        let pbr = one.material.pbr_metallic_roughness();
+        let [red, green, blue, _] = pbr.base_color_factor();
+        let base_texture = pbr.base_color_texture().map(|info| PlacedTexture::of(&info));
+        let base = self.colour(&one, Vec3::new(red, green, blue), base_texture);
+        let emission = self.emission(&one);
+        let mut maps = SurfaceMaps::default();
+        maps.opacity = self.opacity(&one);
+        maps.normals = self.normals(&one);
+        if one.material.unlit() {
+            let black = Surface::Diffuse { reflectance: Colour::constant(Vec3::ZERO) };
+            return Material { name: one.name, surface: black, emission: base, maps };
+        }
+        let parts = pbr.metallic_roughness_texture().map(|info| PlacedTexture::of(&info));
+        let parts = parts.and_then(|placed| self.place(&one, &placed));
+        let mut metallic = pbr.metallic_factor();
+        if let Some(texture) = &parts {
+            maps.roughness = self.found(&one, |files| files.greys(texture, Channel::Green));
+            let map = self.found(&one, |files| files.greys(texture, Channel::Blue));
+            // A map of nothing but ones or zeros is a number.
+            match map.as_ref().and_then(|map| map.constant()) {
+                Some(number) => metallic *= number,
+                None => {
+                    maps.metallic = map.map(|map| Grey { factor: metallic, texture: Some(map) });
+                    metallic = if maps.metallic.is_some() { 0.0 } else { metallic };
+                }
+            }
+        }
+        let roughness = pbr.roughness_factor();
+        let surface = self.look(&one, base, metallic, roughness * roughness).surface();
+        Material { name: one.name, surface, emission, maps }
+    }
+
+    fn look(&mut self, one: &One, base: Colour, metallic: f32, alpha: f32) -> Look {
+        let coat = Colour::constant(Vec3::splat(COMMON_COAT));
+        let mut look = Look { base, coat, alpha: Some(alpha), metallic, transmission: 0.0, thin: false, ior: 1.5 };
+        if let Some(ior) = one.material.ior().filter(|ior| *ior >= 1.0) {
+            look.set_ior(ior);
+        }
+        if let Some(specular) = one.material.specular() {
+            let factor = specular.specular_factor() * Vec3::from(specular.specular_color_factor());
+            look.coat.factor = (look.coat.factor * factor).clamp(Vec3::ZERO, Vec3::ONE);
+            if specular.specular_texture().is_some() || specular.specular_color_texture().is_some() {
+                self.ignore(one, "textures of specular reflection");
+            }
+        }
+        if let Some(transmission) = one.material.transmission() {
+            look.transmission = transmission.transmission_factor();
+            // Without a volume behind it, a surface is a pane.
+            let volume = one.material.volume().filter(|volume| volume.thickness_factor() > 0.0);
+            look.thin = volume.is_none();
+            if transmission.transmission_texture().is_some() {
+                self.ignore(one, "the texture of transmission");
+            }
+            if volume.is_some_and(|v| v.attenuation_distance().is_finite() && v.attenuation_color() != [1.0; 3]) {
+                self.ignore(one, "attenuation within its volume");
+            }
+        }
+        look
+    }
+
+    fn colour(&mut self, one: &One, factor: Vec3, placed: Option<PlacedTexture>) -> Colour {
+        let texture = placed.and_then(|placed| self.place(one, &placed));
+        let texture = texture.and_then(|texture| self.found(one, |files| files.colours(&texture)));
+        Colour { factor, texture }
+    }
+
+    fn emission(&mut self, one: &One) -> Colour {
+        let strength = one.material.emissive_strength().unwrap_or(1.0);
+        let factor = strength * Vec3::from(one.material.emissive_factor());
+        let placed = one.material.emissive_texture().filter(|_| factor != Vec3::ZERO);
+        self.colour(one, factor, placed.map(|info| PlacedTexture::of(&info)))
+    }
+
+    /// `None` where all of it is there.
+    fn opacity(&mut self, one: &One) -> Option<Grey> {
+        let pbr = one.material.pbr_metallic_roughness();
+        let [.., factor] = pbr.base_color_factor();
+        let cutoff = match one.material.alpha_mode() {
+            AlphaMode::Opaque => return None,
+            AlphaMode::Blend => None,
+            AlphaMode::Mask => Some(one.material.alpha_cutoff().unwrap_or(0.5)),
+        };
+        let placed = pbr.base_color_texture().map(|info| PlacedTexture::of(&info));
+        let texture = placed.and_then(|placed| self.place(one, &placed));
+        // The factor in front of a mask is part of what is compared.
+        let texture = texture.and_then(|texture| {
+            self.found(one, |files| files.alphas(&texture, cutoff.map(|cutoff| cutoff / factor.max(f32::MIN_POSITIVE))))
+        });
+        let constant = match &texture {
+            None => Some(1.0),
+            Some(texture) => texture.constant(),
+        };
+        match (cutoff, constant) {
+            (None, Some(alpha)) => (factor * alpha < 1.0).then_some(Grey::constant(factor * alpha)),
+            (None, None) => Some(Grey { factor, texture }),
+            (Some(cutoff), Some(_)) if texture.is_none() => (factor < cutoff).then_some(Grey::constant(0.0)),
+            (Some(_), Some(there)) => (there < 1.0).then_some(Grey::constant(there)),
+            (Some(_), None) => Some(Grey { factor: 1.0, texture }),
+        }
+    }
+
+    fn normals(&mut self, one: &One) -> Option<Arc<crate::texture::Texture>> {
+        let normal = one.material.normal_texture()?;
+        let texture = self.place(one, &PlacedTexture::plain(normal.texture(), normal.tex_coord()))?;
+        let texture = TextureUse { strength: normal.scale(), ..texture };
+        self.found(one, |files| files.normals(&texture))
+    }
+
+    /// The image of a texture, if there is one that the mesh has coordinates for.
+    fn place(&mut self, one: &One, placed: &PlacedTexture) -> Option<TextureUse> {
+        if placed.set != one.set {
+            self.ignore(one, "textures laid out by further texture coordinates");
+            return None;
+        }
+        let texture = placed.texture_use(self.document, self.buffers, &mut self.files);
+        self.found(one, |_| texture)
+    }
+
+    fn found<T>(&mut self, one: &One, find: impl FnOnce(&mut TextureFiles) -> Result<T, String>) -> Option<T> {
+        let found = find(&mut self.files);
+        found
+            .map_err(|why| self.notes.add_missing_texture(format!("material '{}': {why}; it is left out", one.name)))
+            .ok()
+    }
+
+    fn ignore(&mut self, one: &One, what: &str) {
+        self.notes.add(format!("material '{}': {what} not supported and ignored", one.name));
+    }
+}

@@ -1,0 +1,358 @@
+//! What files say, against what the scene is.
+
+use std::fs;
+use std::path::Path;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use glam::{Vec2, Vec3};
+use tempfile::TempDir;
+
+use super::super::{Loaded, load};
+use crate::Ray;
+use crate::light::DeltaLight;
+use crate::material::{Colour, Material, Surface};
+
+/// A unit square at z = 0: positions, texture coordinates in unsigned bytes, corners.
+const POSITIONS: [f32; 12] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0];
+const UVS: [u8; 16] = [0, 255, 0, 0, 255, 255, 0, 0, 255, 0, 0, 0, 0, 0, 0, 0];
+const CORNERS: [u8; 6] = [0, 1, 2, 0, 2, 3];
+
+fn bytes() -> Vec<u8> {
+    let positions = POSITIONS.iter().flat_map(|v| v.to_le_bytes());
+    positions.chain(UVS).chain(CORNERS).collect()
+}
+
+const VIEWS: &str = r#"[
+    { "buffer": 0, "byteLength": 48 }, { "buffer": 0, "byteOffset": 48, "byteLength": 16, "byteStride": 4 },
+    { "buffer": 0, "byteOffset": 64, "byteLength": 6 }]"#;
+const ACCESSORS: &str = r#"[
+    { "bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3" },
+    { "bufferView": 1, "componentType": 5121, "normalized": true, "count": 4, "type": "VEC2" },
+    { "bufferView": 2, "componentType": 5121, "count": 6, "type": "SCALAR" }]"#;
+const SQUARE: &str = r#"{ "attributes": { "POSITION": 0, "TEXCOORD_0": 1 }, "indices": 2, "material": 0 }"#;
+
+/// The JSON of a file with the square as its only mesh; `more` is the rest.
+fn document(more: &str) -> String {
+    let data = STANDARD.encode(bytes());
+    format!(
+        r#"{{ "asset": {{ "version": "2.0" }}, "scenes": [{{ "nodes": [0] }}],
+        "buffers": [{{ "uri": "data:application/octet-stream;base64,{data}", "byteLength": 70 }}],
+        "bufferViews": {VIEWS}, "accessors": {ACCESSORS}, "meshes": [{{ "primitives": [{SQUARE}] }}], {more} }}"#
+    )
+}
+
+/// Two pixels: red, and black of alpha 0.2.
+fn png() -> Vec<u8> {
+    let image = image::RgbaImage::from_raw(2, 1, vec![255, 0, 0, 255, 0, 0, 0, 51]).unwrap();
+    let mut png = std::io::Cursor::new(vec![]);
+    image.write_to(&mut png, image::ImageFormat::Png).unwrap();
+    png.into_inner()
+}
+
+fn folder(json: &str) -> TempDir {
+    let folder = TempDir::new().unwrap();
+    fs::write(folder.path().join("a.gltf"), json).unwrap();
+    fs::write(folder.path().join("a b.png"), png()).unwrap();
+    folder
+}
+
+fn loaded(json: &str) -> Loaded {
+    load(&folder(json).path().join("a.gltf")).unwrap()
+}
+
+fn refusal(json: &str) -> String {
+    let folder = folder(json);
+    let refused = load(&folder.path().join("a.gltf")).unwrap_err().to_string();
+    refused.replace(&format!("{}/", folder.path().display()), "")
+}
+
+/// What a material becomes; `textures` may point to the image.
+fn material(material: &str) -> (Material, Vec<String>) {
+    let textures = r#""textures": [{ "source": 0 }], "images": [{ "uri": "a%20b.png" }]"#;
+    let loaded = loaded(&document(&format!(r#""nodes": [{{ "mesh": 0 }}], {textures}, "materials": [{material}]"#)));
+    (loaded.scene.materials[0].clone(), loaded.notes)
+}
+
+fn ray(x: f32, y: f32, z: f32) -> Ray {
+    Ray { origin: Vec3::new(x, y, z), direction: -Vec3::Z, t_max: f32::INFINITY, time: 0.0 }
+}
+
+const PLAIN: &str = r#""nodes": [{ "mesh": 0 }], "materials": [{}]"#;
+
+#[test]
+fn numbers_are_read_however_they_are_stored() {
+    let scene = loaded(&document(PLAIN)).scene;
+    let mesh = &scene.meshes[0].mesh;
+    assert_eq!(mesh.positions, [Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y]);
+    assert_eq!(mesh.uvs, [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y], "upwards, as elsewhere");
+    assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3]]);
+    // The first corner is moved by a sparse accessor.
+    let moved = r#""count": 4, "type": "VEC3", "sparse": { "count": 1,
+        "indices": { "bufferView": 2, "byteOffset": 1, "componentType": 5121 },
+        "values": { "bufferView": 0, "byteOffset": 24 } } }"#;
+    let sparse = document(PLAIN).replacen(r#""count": 4, "type": "VEC3" }"#, moved, 1);
+    assert_eq!(loaded(&sparse).scene.meshes[0].mesh.positions[1], Vec3::X + Vec3::Y);
+    let zeros = sparse.replacen(r#""bufferView": 0, "componentType""#, r#""componentType""#, 1);
+    assert!(load(&folder(&zeros).path().join("a.gltf")).is_err(), "all corners but one are zero: nothing to see");
+}
+
+#[test]
+fn binary_files_hold_the_same() {
+    let json = document(PLAIN);
+    let json =
+        json.replace(&format!(r#""uri": "data:application/octet-stream;base64,{}", "#, STANDARD.encode(bytes())), "");
+    let chunk = |kind: &[u8], content: &[u8]| {
+        let padded = content.len().next_multiple_of(4);
+        let mut chunk = [&(padded as u32).to_le_bytes(), kind, content].concat();
+        chunk.resize(8 + padded, b' ');
+        chunk
+    };
+    let chunks = [chunk(b"JSON", json.as_bytes()), chunk(b"BIN\0", &bytes())].concat();
+    let header = [b"glTF".as_slice(), &2u32.to_le_bytes(), &(12 + chunks.len() as u32).to_le_bytes()].concat();
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("a.glb");
+    fs::write(&path, [header, chunks].concat()).unwrap();
+    let mesh = load(&path).unwrap().scene.meshes[0].mesh.clone();
+    assert_eq!(format!("{mesh:?}"), format!("{:?}", loaded(&document(PLAIN)).scene.meshes[0].mesh));
+    fs::write(&path, json).unwrap();
+    assert!(load(&path).unwrap_err().to_string().ends_with("buffers[0] has neither a uri nor a binary part"));
+}
+
+#[test]
+fn everything_stands_where_its_node_puts_it() {
+    let nodes = r#""scene": 0, "nodes": [
+        { "children": [1, 2, 3], "translation": [10, 0, 0], "scale": [2, 2, 2] },
+        { "mesh": 0 },
+        { "mesh": 0, "rotation": [0, 0, 0.70710678, 0.70710678], "translation": [0, 0, 1] },
+        { "camera": 0, "name": "node", "translation": [0, 0, 5], "rotation": [0, 0.70710678, 0, 0.70710678] }],
+        "cameras": [{ "type": "perspective", "perspective": { "yfov": 0.5, "znear": 0.1 } }], "materials": [{}]"#;
+    let loaded = loaded(&document(nodes));
+    assert_eq!((loaded.scene.triangles(), loaded.scene.stored_triangles()), (4, 2));
+    assert_eq!(loaded.scene.intersect(&ray(11.5, 0.5, 9.0)).unwrap().distance, 9.0);
+    // Turned by 90° round z, it stands at x from -1 to 0.
+    assert!((loaded.scene.intersect(&ray(8.5, 0.5, 9.0)).unwrap().distance - 7.0).abs() < 1e-5);
+    let (name, camera) = &loaded.cameras[0];
+    assert_eq!((name.as_deref(), camera.eye), (Some("node"), Vec3::new(10.0, 0.0, 10.0)));
+    assert!((camera.look_at - camera.eye + Vec3::X).length() < 1e-6 && (camera.fov - 28.6479).abs() < 1e-3);
+}
+
+#[test]
+fn lights_shine_along_their_nodes() {
+    let lights = r#""extensionsUsed": ["KHR_lights_punctual"], "extensions": { "KHR_lights_punctual": { "lights": [
+        { "type": "point", "intensity": 2, "color": [1, 0.5, 0] },
+        { "type": "spot", "spot": { "innerConeAngle": 0, "outerConeAngle": 0.5 } },
+        { "type": "directional", "intensity": 0 }, { "type": "directional", "intensity": 3 }] } },
+        "materials": [{}], "nodes": [{ "mesh": 0, "children": [1, 2, 3, 4] },
+        { "translation": [1, 2, 3], "extensions": { "KHR_lights_punctual": { "light": 0 } } },
+        { "rotation": [-0.70710678, 0, 0, 0.70710678], "extensions": { "KHR_lights_punctual": { "light": 1 } } },
+        { "extensions": { "KHR_lights_punctual": { "light": 2 } } },
+        { "extensions": { "KHR_lights_punctual": { "light": 3 } } }]"#;
+    let loaded = loaded(&document(lights));
+    let [point, spot, sun] = loaded.scene.delta_lights[..] else { panic!("{:?}", loaded.scene.delta_lights) };
+    assert_eq!(point, DeltaLight::Point { position: Vec3::new(1.0, 2.0, 3.0), intensity: Vec3::new(2.0, 1.0, 0.0) });
+    let DeltaLight::Spot { axis, cos_rim, .. } = spot else { panic!("{spot:?}") };
+    assert!((axis + Vec3::Y).length() < 1e-6 && (cos_rim - 0.5_f32.cos()).abs() < 1e-6);
+    let DeltaLight::Sun { direction, irradiance, .. } = sun else { panic!("{sun:?}") };
+    assert_eq!((direction, irradiance), (-Vec3::Z, Vec3::splat(3.0)));
+    assert!(loaded.notes[0].contains("nodes[3]: a light that shines nowhere"));
+}
+
+/// What a white base reflects under the common coat, so that both together reflect no more than they get.
+const UNDER_COAT: f32 = 1.0 / 1.04;
+
+fn is(colour: &Colour, expected: [f32; 3]) -> bool {
+    (colour.factor - Vec3::from(expected)).length() < 1e-6
+}
+
+#[test]
+fn materials_are_made_of_what_there_is_a_surface_for() {
+    let surface = |text: &str| material(text).0.surface;
+    let metal = surface(r#"{ "pbrMetallicRoughness": { "baseColorFactor": [1, 0.5, 0, 1], "roughnessFactor": 0.5 } }"#);
+    assert!(matches!(&metal, Surface::Conductor { reflectance, alpha: 0.25 } if is(reflectance, [1.0, 0.5, 0.0])));
+    let plastic = r#"{ "pbrMetallicRoughness": { "baseColorFactor": [0.5, 0.5, 0.5, 1], "metallicFactor": 0 } EXT }"#;
+    let with = |extensions: &str| plastic.replace("EXT", &format!(", \"extensions\": {{ {extensions} }}"));
+    let Surface::Coated { specular, alpha: 1.0, .. } = surface(&plastic.replace("EXT", "")) else { panic!() };
+    assert!(is(&specular, [0.04; 3]));
+    let shiny = with(r#""KHR_materials_ior": { "ior": 2 }, "KHR_materials_specular": { "specularFactor": 0.5 }"#);
+    let Surface::Coated { specular, .. } = surface(&shiny) else { panic!() };
+    assert!(is(&specular, [1.0 / 18.0; 3]), "half of 1/9");
+    let pane = r#""KHR_materials_transmission": { "transmissionFactor": 1 }"#;
+    assert!(matches!(surface(&with(pane)), Surface::ThinGlass { ior: 1.5, .. }));
+    let ball = format!(
+        r#"{pane}, "KHR_materials_volume": {{ "thicknessFactor": 1, "attenuationDistance": 2, "attenuationColor": [1, 0, 0] }}"#
+    );
+    assert!(matches!(surface(&with(&ball)), Surface::Glass { ior: 1.5, alpha: 1.0, .. }));
+    assert_eq!(
+        material(&with(&ball)).1,
+        ["material 'material 0': attenuation within its volume not supported and ignored"]
+    );
+    let lamp = r#""KHR_materials_emissive_strength": { "emissiveStrength": 5 }"#;
+    let lamp = with(lamp).replacen('{', r#"{ "emissiveFactor": [1, 0.5, 0],"#, 1);
+    assert_eq!(material(&lamp).0.emission.factor, Vec3::new(5.0, 2.5, 0.0));
+    let drawn = material(&with(r#""KHR_materials_unlit": {}"#)).0;
+    assert!(is(&drawn.emission, [0.5; 3]));
+    assert!(matches!(&drawn.surface, Surface::Diffuse { reflectance } if is(reflectance, [0.0; 3])));
+}
+
+#[test]
+fn textures_lie_where_the_file_lays_them() {
+    let at = |x: f32| Vec2::new(x, 0.5);
+    let painted = r#"{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 INFO }, "metallicRoughnessTexture": { "index": 0 } } MORE }"#;
+    let with = |info: &str, more: &str| material(&painted.replace("INFO", info).replace("MORE", more)).0;
+    let plain = with("", "");
+    let Surface::Coated { diffuse, .. } = &plain.surface else { panic!("blue is 0: no metal") };
+    assert_eq!((diffuse.at(at(0.25)), diffuse.at(at(0.75))), (UNDER_COAT * Vec3::X, Vec3::ZERO));
+    assert_eq!(plain.maps.roughness.unwrap().lookup(at(0.25)), 0.0);
+    assert!(plain.maps.metallic.is_none() && plain.maps.opacity.is_none());
+    let moved = with(r#", "extensions": { "KHR_texture_transform": { "offset": [0.5, 0] } }"#, "");
+    let Surface::Coated { diffuse, .. } = &moved.surface else { panic!() };
+    assert_eq!(diffuse.at(at(0.25)), Vec3::ZERO);
+    let opacity = |more: &str, x: f32| with("", more).maps.opacity.unwrap().at(at(x));
+    assert!((opacity(r#", "alphaMode": "BLEND""#, 0.75) - 0.2).abs() < 1e-6);
+    assert_eq!(opacity(r#", "alphaMode": "MASK""#, 0.75), 0.0);
+    assert_eq!(opacity(r#", "alphaMode": "MASK""#, 0.25), 1.0);
+    assert!(
+        with("", r#", "alphaMode": "MASK", "alphaCutoff": 0.1"#).maps.opacity.is_none_or(|all| all.at(at(0.75)) == 1.0)
+    );
+    let other = material(&painted.replace("INFO", r#", "texCoord": 1"#).replace("MORE", "")).1;
+    assert_eq!(
+        other,
+        ["material 'material 0': textures laid out by further texture coordinates not supported and ignored"]
+    );
+}
+
+#[test]
+fn images_may_lie_in_the_file() {
+    let uri = format!("data:image/png;base64,{}", STANDARD.encode(png()));
+    let rest = |images: &str| {
+        let painted = r#"[{ "pbrMetallicRoughness": { "metallicFactor": 0, "baseColorTexture": { "index": 0 } } }]"#;
+        let textures = r#""textures": [{ "source": 0 }]"#;
+        document(&format!(r#""nodes": [{{ "mesh": 0 }}], {textures}, "images": [{images}], "materials": {painted}"#))
+    };
+    let found = loaded(&rest(&format!(r#"{{ "uri": "{uri}" }}"#)));
+    let Surface::Coated { diffuse, .. } = &found.scene.materials[0].surface else { panic!() };
+    assert_eq!(diffuse.at(Vec2::new(0.25, 0.5)), UNDER_COAT * Vec3::X);
+    for (image, why) in [
+        (r#"{ "uri": "gone.png" }"#, "texture 'gone.png' is missing"),
+        (r#"{ "uri": "data:image/png;base64,!" }"#, "texture 'images[0]' is embedded with a mistake"),
+        (r#"{ "bufferView": 0, "mimeType": "image/png" }"#, "texture 'images[0]' cannot be read"),
+        ("{}", "texture 'images[0]' is nowhere"),
+    ] {
+        let found = loaded(&rest(image));
+        assert!(found.missing_textures == 1 && found.notes[0].contains(why), "{:?}", found.notes);
+    }
+}
+
+#[test]
+fn what_only_glows_is_told_from_what_shines() {
+    let glowing = document(r#""nodes": [{ "mesh": 0 }], "materials": [{ "emissiveFactor": [1, 1, 1] }]"#);
+    let loaded = loaded(&glowing);
+    assert_eq!((loaded.glow, loaded.scene.emitters.len()), (1.0, 2));
+    assert!(super::super::guess_environment(&loaded.scene, loaded.glow).is_some());
+}
+
+#[test]
+fn mistakes_are_refused_with_their_place() {
+    let good = document(PLAIN);
+    let with = |from: &str, to: &str| {
+        assert!(good.contains(from), "{from}");
+        refusal(&good.replacen(from, to, 1))
+    };
+    for (from, to, expected) in [
+        (
+            "\"nodes\": [{ \"mesh\": 0 }]",
+            "\"nodes\": [{ \"mesh\": 7 }]",
+            "nodes[0].mesh points to something that is not there",
+        ),
+        (
+            "[{ \"mesh\": 0 }]",
+            "[{ \"mesh\": 0, \"children\": [0] }]",
+            "nodes[0] stands in the scene twice, expected a tree",
+        ),
+        ("\"byteLength\": 70", "\"byteLength\": 71", "buffers[0] has 70 bytes, expected 71"),
+        (
+            "\"byteOffset\": 64, \"byteLength\": 6",
+            "\"byteOffset\": 65, \"byteLength\": 6",
+            "bufferViews[2] spans 6 bytes from byte 65 on",
+        ),
+        ("\"count\": 6", "\"count\": 7", "accessors[2] claims 7 elements, more than its view has bytes for"),
+        ("\"type\": \"VEC2\"", "\"type\": \"VEC3\"", "accessors[1] has 3 numbers for each element, expected 2"),
+        (
+            "\"count\": 4, \"type\": \"VEC2\"",
+            "\"count\": 3, \"type\": \"VEC2\"",
+            "3 texture coordinates for 4 positions",
+        ),
+        (
+            "\"count\": 4, \"type\": \"VEC3\"",
+            "\"count\": 2, \"type\": \"VEC3\"",
+            "4 texture coordinates for 2 positions",
+        ),
+        ("\"POSITION\": 0", "\"POSITION\": 9", "accessors[9], which positions are to be in, is not there"),
+        ("\"indices\": 2", "\"indices\": 0", "accessors[0] does not hold whole numbers"),
+        (
+            "\"asset\"",
+            "\"extensionsRequired\": [\"KHR_draco_mesh_compression\"], \"asset\"",
+            "needs the extension KHR_draco_mesh_compression",
+        ),
+        ("\"scenes\"", "\"s\": 0, \"scenes\"", ""),
+        ("{ \"asset\"", "[ \"asset\"", "its JSON has a mistake"),
+        (
+            "data:application/octet-stream;base64",
+            "data:application/octet-stream",
+            "buffers[0] is embedded in a way that is not supported",
+        ),
+    ] {
+        if expected.is_empty() {
+            assert!(
+                load(&folder(&good.replacen(from, to, 1)).path().join("a.gltf")).is_ok(),
+                "unknown keys are no mistakes"
+            );
+            continue;
+        }
+        let refused = with(from, to);
+        assert!(refused.starts_with("a.gltf: ") && refused.contains(expected), "{refused}");
+    }
+    assert_eq!(
+        refusal(
+            &good.replace(&format!("data:application/octet-stream;base64,{}", STANDARD.encode(bytes())), "gone.bin")
+        ),
+        "gone.bin: no such file; check the path, which is relative to the file that names it"
+    );
+    assert!(refusal("").contains("is empty"));
+    let lines = good.replacen("\"indices\": 2", "\"indices\": 2, \"mode\": 1", 1);
+    assert!(refusal(&lines).contains("no face with three corners"));
+    let quantised = good.replacen("\"asset\"", "\"extensionsRequired\": [\"KHR_mesh_quantization\"], \"asset\"", 1);
+    assert_eq!(loaded(&quantised).triangles, 2);
+}
+
+#[test]
+fn a_scene_file_takes_meshes_and_changes_materials_by_name() {
+    let folder =
+        folder(&document(r#""materials": [{ "name": "wall" }], "nodes": [{ "mesh": 0, "translation": [0, 0, 3] }]"#));
+    let scene = "[[geometry]]\nfile = \"a.gltf\"\ntransform = { translate = [0, 0, 1] }\n\
+                 [material.wall]\nmetallic = 0\nbase_color = [0.1, 0.2, 0.3]\n";
+    fs::write(folder.path().join("scene.toml"), scene).unwrap();
+    let scene = load(&folder.path().join("scene.toml")).unwrap().scene;
+    assert_eq!(scene.intersect(&ray(0.5, 0.5, 9.0)).unwrap().distance, 5.0);
+    assert!(matches!(&scene.materials[0].surface, Surface::Coated { diffuse, .. } if is(diffuse, [0.1, 0.2, 0.3])));
+}
+
+/// Files that nobody here wrote, where they are.
+#[test]
+fn shared_files_are_read_or_refused() {
+    let shared = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/scenes/gltf");
+    let triangles = |name: &str| load(&shared.join(name)).map(|loaded| loaded.triangles);
+    if !shared.is_dir() {
+        return;
+    }
+    assert_eq!(triangles("FlightHelmet/FlightHelmet.gltf").unwrap(), 94_722);
+    assert_eq!(triangles("usd-shaderball/usd-shaderball-ball.glb").unwrap(), 63_856);
+    for form in ["-Binary/BoxTextured.glb", "-Embedded/BoxTextured.gltf", "/BoxTextured.gltf"] {
+        assert_eq!(triangles(&format!("assimp-cases/BoxTextured-glTF{form}")).unwrap(), 12);
+    }
+    let bad = triangles("assimp-cases/IndexOutOfRange/IndexOutOfRange.gltf").unwrap_err().to_string();
+    assert!(bad.ends_with("meshes[0].primitives[0]: a corner is vertex 255, of 24"), "{bad}");
+    let missing = triangles("assimp-cases/MissingBin/BoxTextured.gltf").unwrap_err().to_string();
+    assert!(missing.contains("BoxTextured0.bin: no such file"), "{missing}");
+}
