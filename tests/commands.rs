@@ -352,3 +352,28 @@ fn a_guide_is_followed_where_it_is_nearer_to_the_truth() {
         assert!(run.stderr().contains(word), "{}", run.stderr());
     }
 }
+
+#[test]
+fn bench_measures_every_step_and_sets_an_earlier_run_beside() {
+    let workplace = Workplace::new();
+    let bench = "bench box.obj --size 16x12 --spp 2 --rounds 1";
+    let printed = workplace.must(&format!("{bench} --json")).stdout();
+    let report = json(&printed);
+    for step in ["copy, one thread", "closest hit, one thread", "path tracing", "best", "fast", "paper", "nfor"] {
+        assert!(report["measures"][step]["rate"].as_f64().is_some_and(|rate| rate > 0.0), "{step}: {report}");
+    }
+    assert!(report["against"].is_null());
+    // A machine that was infinitely slow, and one that was infinitely fast.
+    let was = |rate: &str| format!("{{ \"measures\": {{ \"best\": {{ \"rate\": {rate} }} }} }}");
+    workplace.write("slow.json", &was("1e-30"));
+    workplace.write("fast.json", &was("1e30"));
+    let table = workplace.must(&format!("{bench} --against fast.json")).stdout();
+    assert!(table.contains("÷ earlier") && table.contains("| best | "), "{table}");
+    for (file, code) in [("slow.json", 0), ("fast.json", 1)] {
+        let run = workplace.tamis(&format!("{bench} --against {file} --max-loss 0.5"));
+        assert_eq!(run.code(), Some(code), "{file}: {}", run.stderr());
+    }
+    for wrong in ["--against box.obj", "--against slow.json --max-loss 1", "--max-loss 0.1", "--rounds 0"] {
+        assert_eq!(workplace.tamis(&format!("bench --spp 1 {wrong}")).code(), Some(2), "{wrong}");
+    }
+}

@@ -31,6 +31,8 @@ pub enum Task {
     Info(InfoArgs),
     /// Reproduce a table of the documentation.
     Experiment(ExperimentArgs),
+    /// Measure this machine: rays, samples and reconstructed pixels a second.
+    Bench(BenchArgs),
 }
 
 /// How much is said, and in what form.
@@ -260,6 +262,29 @@ pub struct InfoArgs {
     /// Print JSON instead of text.
     #[arg(long)]
     pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct BenchArgs {
+    /// Scene to measure on [default: a room of 130,000 triangles that comes along].
+    pub scene: Option<PathBuf>,
+    /// Size of the picture that is traced and reconstructed.
+    #[arg(long, value_name = "WxH", default_value = "320x240")]
+    pub size: PictureSize,
+    /// Samples per pixel.
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub spp: u32,
+    /// Rounds, of which the best counts for every step.
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub rounds: u32,
+    /// What `tamis bench --json` printed earlier, to be set beside.
+    #[arg(long, value_name = "FILE")]
+    pub against: Option<PathBuf>,
+    /// Exit 1 when a step is slower than it was by more than this share.
+    #[arg(long, value_name = "X", requires = "against")]
+    pub max_loss: Option<f64>,
+    #[command(flatten)]
+    pub report: ReportArgs,
 }
 
 #[derive(Debug, Args)]

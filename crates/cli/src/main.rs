@@ -1,6 +1,7 @@
 //! The `tamis` command: parses, hands over to one module per subcommand, and turns errors into exit codes.
 
 mod args;
+mod bench;
 mod compare;
 mod denoise;
 mod experiment;
@@ -35,6 +36,7 @@ fn main() -> ExitCode {
         Task::Compare(args) => compare::run(&args),
         Task::Info(args) => info::run(&args),
         Task::Experiment(args) => experiment::run(&args),
+        Task::Bench(args) => bench::run(&args),
     };
     match outcome {
         Ok(verdict) => verdict.into(),

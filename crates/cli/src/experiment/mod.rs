@@ -17,7 +17,7 @@ mod reference;
 mod scenes;
 mod sequences;
 mod stages;
-mod table;
+pub mod table;
 
 use anyhow::{Context, Result};
 use clap::ValueEnum;

@@ -1,0 +1,60 @@
+//! What an earlier run measured.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use serde_json::Value;
+
+use super::measures::Measures;
+use crate::failure::usage;
+
+/// Rates by step.
+pub struct Earlier(BTreeMap<String, f64>);
+
+impl Earlier {
+    /// Reads what `tamis bench --json` printed into `file`.
+    ///
+    /// # Errors
+    /// When the file cannot be read or holds something else.
+    pub fn read(file: &Path) -> Result<Self> {
+        let text = std::fs::read_to_string(file).with_context(|| format!("{}: cannot be read", file.display()))?;
+        Self::parse(&text).ok_or_else(|| {
+            usage(format!(
+                "--against {}: expected what tamis bench --json prints, found something else",
+                file.display()
+            ))
+        })
+    }
+
+    fn parse(text: &str) -> Option<Self> {
+        let value: Value = serde_json::from_str(text).ok()?;
+        let rate = |(name, measure): (&String, &Value)| Some((name.clone(), measure.get("rate")?.as_f64()?));
+        value.get("measures")?.as_object()?.iter().map(rate).collect::<Option<_>>().map(Self)
+    }
+
+    /// Rates now over rates then, of the steps that both have.
+    pub fn ratios(&self, now: &Measures) -> BTreeMap<String, f64> {
+        let ratio = |(name, rate): (&str, f64)| Some((name.to_string(), rate / self.0.get(name)?));
+        now.rates().filter_map(ratio).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_printed_is_read_and_set_beside() {
+        let mut measures = Measures::default();
+        measures.add("a", "x/s", 8.0, 2.0);
+        let printed = serde_json::json!({ "measures": measures.to_json() }).to_string();
+        let earlier = Earlier::parse(&printed).unwrap();
+        measures.add("a", "x/s", 8.0, 1.0);
+        measures.add("b", "x/s", 8.0, 1.0);
+        assert_eq!(earlier.ratios(&measures), BTreeMap::from([("a".to_string(), 2.0)]));
+        for other in ["", "[]", "{}", r#"{ "measures": { "a": 3 } }"#] {
+            assert!(Earlier::parse(other).is_none(), "{other}");
+        }
+    }
+}
