@@ -33,6 +33,10 @@ pub enum Task {
     Experiment(ExperimentArgs),
     /// Measure this machine: rays, samples and reconstructed pixels a second.
     Bench(BenchArgs),
+    /// Print what a shell needs to complete commands and flags.
+    Completions(CompletionsArgs),
+    /// Print a manual page.
+    Man(ManArgs),
 }
 
 /// How much is said, and in what form.
@@ -285,6 +289,19 @@ pub struct BenchArgs {
     pub max_loss: Option<f64>,
     #[command(flatten)]
     pub report: ReportArgs,
+}
+
+#[derive(Debug, Args)]
+pub struct CompletionsArgs {
+    /// Which shell.
+    #[arg(value_enum)]
+    pub shell: clap_complete::Shell,
+}
+
+#[derive(Debug, Args)]
+pub struct ManArgs {
+    /// Command whose page it is [default: that of the program].
+    pub command: Option<String>,
 }
 
 #[derive(Debug, Args)]

@@ -11,6 +11,7 @@ mod guide;
 mod info;
 mod interrupt;
 mod large_blocks;
+mod manual;
 mod mask;
 mod memory;
 mod options;
@@ -37,6 +38,8 @@ fn main() -> ExitCode {
         Task::Info(args) => info::run(&args),
         Task::Experiment(args) => experiment::run(&args),
         Task::Bench(args) => bench::run(&args),
+        Task::Completions(args) => manual::completions(&args),
+        Task::Man(args) => manual::man(&args),
     };
     match outcome {
         Ok(verdict) => verdict.into(),
