@@ -147,6 +147,10 @@ pub struct RenderArgs {
     /// Leave the picture as it was sampled.
     #[arg(long, help_heading = "Picture")]
     pub no_denoise: bool,
+    /// Show the picture while it is made in the image viewer tev, at localhost:14158 if no other address is given.
+    #[arg(long, value_name = "HOST:PORT", num_args = 0..=1, default_missing_value = crate::render::tev::USUAL_ADDRESS,
+        help_heading = "Output")]
+    pub tev: Option<crate::render::tev::Address>,
 
     #[command(flatten)]
     pub picture: PictureArgs,

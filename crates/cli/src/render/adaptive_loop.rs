@@ -5,12 +5,13 @@ use std::time::{Duration, Instant};
 use anyhow::Result;
 use reconstruct::adaptive::{ErrorEstimate, estimated_rmse, round_budget, sample_map};
 use reconstruct::{ReconstructError, Reconstruction, reconstruct};
-use stack::{FeatureStack, SampleMap};
+use stack::{FeatureStack, Image, SampleMap};
 use tracer::camera::Camera;
 use tracer::film::Film;
 use tracer::integrator::{TraceError, TraceReport, trace};
 use tracer::scene::Scene;
 
+use super::tev::Preview;
 use crate::interrupt;
 use crate::progress::Progress;
 use crate::settings::Settings;
@@ -49,6 +50,16 @@ pub struct Sampling<'a> {
     pub camera: &'a Camera,
     pub settings: &'a Settings,
     pub progress: &'a Progress,
+    /// Where pictures are shown while they are made.
+    pub preview: Option<&'a Preview>,
+}
+
+impl Sampling<'_> {
+    fn show(&self, picture: &Image, mse: &[f32]) {
+        if let Some(preview) = self.preview {
+            preview.show(picture, mse, self.progress);
+        }
+    }
 }
 
 /// One turn of the loop.
@@ -175,7 +186,7 @@ impl State<'_> {
     }
 
     fn trace(&mut self, map: &SampleMap) -> Result<()> {
-        let Sampling { scene, camera, settings, progress } = self.sampling;
+        let Sampling { scene, camera, settings, progress, .. } = self.sampling;
         match trace(scene, camera, &mut self.film, map, &settings.trace, progress) {
             Ok(report) => self.report = self.report.plus(report),
             Err(TraceError::Cancelled(report)) => {
@@ -193,6 +204,7 @@ impl State<'_> {
         let reconstruction = reconstruct(&stack, &self.iteration_settings(), self.sampling.progress)?;
         let error = estimated_rmse(&reconstruction.mse, &reconstruction.picture);
         self.note(Some(error));
+        self.sampling.show(&reconstruction.picture, &reconstruction.mse);
         Ok((error, stack, reconstruction))
     }
 
@@ -239,12 +251,18 @@ impl State<'_> {
             interrupted,
             missed_target: false,
         };
+        if sampling.preview.is_some() {
+            // Of samples that are not rebuilt no error is known.
+            let unknown = vec![f32::NAN; finished.stack.size().pixels()];
+            sampling.show(&finished.stack.beauty(), &unknown);
+        }
         if rebuild && !interrupted {
             match reconstruct(&finished.stack, &sampling.settings.reconstruction, sampling.progress) {
                 Ok(reconstruction) => {
                     let error = estimated_rmse(&reconstruction.mse, &reconstruction.picture);
                     rounds.push(round(&report, pixels, start, Some(error)));
                     finished.missed_target = budget.target_error.is_some() && !budget.is_met_by(error);
+                    sampling.show(&reconstruction.picture, &reconstruction.mse);
                     finished.reconstruction = Some(reconstruction);
                 }
                 Err(ReconstructError::Cancelled(_)) => finished.interrupted = true,

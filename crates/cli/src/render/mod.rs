@@ -3,6 +3,7 @@
 mod adaptive_loop;
 mod plan;
 pub mod report;
+pub mod tev;
 mod view;
 
 use std::path::{Path, PathBuf};
@@ -23,6 +24,7 @@ use crate::stdout::print_line;
 
 pub use adaptive_loop::{Budget, Finished, Sampling, trace_adaptively};
 pub use plan::Plan;
+use tev::Preview;
 use view::open;
 pub use view::{View, open_scene};
 
@@ -39,7 +41,14 @@ pub fn run(args: &RenderArgs, matches: &ArgMatches) -> Result<Verdict> {
     let camera = view.camera(plan.size)?;
 
     let film = Film::new(plan.window, plan.size, &plan.settings.trace).starting_at(plan.budget.first);
-    let sampling = Sampling { scene: &view.scene, camera: &camera, settings: &plan.settings, progress: &progress };
+    let preview = args.tev.as_ref().map(|address| Preview::open(address, &stem, plan.window.size)).transpose()?;
+    let sampling = Sampling {
+        scene: &view.scene,
+        camera: &camera,
+        settings: &plan.settings,
+        progress: &progress,
+        preview: preview.as_ref(),
+    };
     let finished = trace_adaptively(&sampling, film, &plan.budget, plan.reconstruct)?;
     progress.finish();
     let picture = finished.picture();
