@@ -377,3 +377,18 @@ fn bench_measures_every_step_and_sets_an_earlier_run_beside() {
         assert_eq!(workplace.tamis(&format!("bench --spp 1 {wrong}")).code(), Some(2), "{wrong}");
     }
 }
+
+#[test]
+fn a_log_keeps_what_is_said_and_what_is_not() {
+    let workplace = Workplace::new();
+    let run = workplace.must("render box.obj --size 16x12 --spp 2 -o a.png --quiet --log-file log.txt");
+    assert_eq!(run.stderr(), "");
+    assert_eq!(workplace.tamis("render gone.obj --log-file log.txt").code(), Some(2));
+    let log = String::from_utf8(workplace.bytes("log.txt")).unwrap();
+    for line in
+        ["render box.obj --size 16x12", "no camera given", "triangles, ", "done in ", "error: gone.obj: no such file"]
+    {
+        assert!(log.lines().any(|found| found.contains(" s  ") && found.contains(line)), "{line}: {log}");
+    }
+    assert_eq!(workplace.tamis("render box.obj --log-file no/such/folder.txt").code(), Some(3));
+}

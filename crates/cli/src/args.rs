@@ -39,6 +39,19 @@ pub enum Task {
     Man(ManArgs),
 }
 
+impl Task {
+    /// How much is said, where a command asks.
+    pub fn report(&self) -> Option<&ReportArgs> {
+        match self {
+            Self::Render(args) => Some(&args.report),
+            Self::Denoise(args) => Some(&args.report),
+            Self::Experiment(args) => Some(&args.report),
+            Self::Bench(args) => Some(&args.report),
+            Self::Compare(_) | Self::Info(_) | Self::Completions(_) | Self::Man(_) => None,
+        }
+    }
+}
+
 /// How much is said, and in what form.
 #[derive(Clone, Debug, Default, Args)]
 #[command(next_help_heading = "Reports")]
@@ -52,6 +65,9 @@ pub struct ReportArgs {
     /// Say more on standard error.
     #[arg(long, short)]
     pub verbose: bool,
+    /// Add what is said, and what would be with --verbose, to this file.
+    #[arg(long, value_name = "FILE")]
+    pub log_file: Option<PathBuf>,
     /// Worker threads; the picture does not depend on it [default: one per core].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,

@@ -11,6 +11,7 @@ mod guide;
 mod info;
 mod interrupt;
 mod large_blocks;
+mod log_file;
 mod manual;
 mod mask;
 mod memory;
@@ -31,7 +32,8 @@ static ALLOCATOR: large_blocks::HugePages = large_blocks::HugePages;
 fn main() -> ExitCode {
     large_blocks::keep_freed();
     let (cli, matches) = args::parse();
-    let outcome = match cli.command {
+    let log = cli.command.report().and_then(|report| report.log_file.as_deref()).map_or(Ok(()), log_file::open);
+    let outcome = log.and_then(|()| match cli.command {
         Task::Render(args) => render::run(&args, &matches),
         Task::Denoise(args) => denoise::run(&args, &matches),
         Task::Compare(args) => compare::run(&args),
@@ -40,11 +42,13 @@ fn main() -> ExitCode {
         Task::Bench(args) => bench::run(&args),
         Task::Completions(args) => manual::completions(&args),
         Task::Man(args) => manual::man(&args),
-    };
+    });
     match outcome {
         Ok(verdict) => verdict.into(),
         Err(error) => {
-            eprintln!("error: {error:#}");
+            let line = format!("error: {error:#}");
+            log_file::add(&line);
+            eprintln!("{line}");
             failure::exit_code(&error)
         }
     }

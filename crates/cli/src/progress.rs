@@ -8,7 +8,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use stack::Monitor;
 
 use crate::args::ReportArgs;
-use crate::interrupt;
+use crate::{interrupt, log_file};
 
 /// Draws a bar when standard error is a terminal, times stages, and cancels on Ctrl-C.
 pub struct Progress {
@@ -37,8 +37,13 @@ impl Progress {
         Self { bar, quiet: report.quiet, verbose: report.verbose, stages: Mutex::default() }
     }
 
-    /// Says one line, unless quiet.
+    /// Says one line, unless quiet; the log has it in any case.
     pub fn say(&self, line: &str) {
+        log_file::add(line);
+        self.print(line);
+    }
+
+    fn print(&self, line: &str) {
         if !self.quiet {
             self.bar.suspend(|| eprintln!("{line}"));
         }
@@ -46,8 +51,9 @@ impl Progress {
 
     /// Says one line when asked to say more.
     pub fn whisper(&self, line: &str) {
+        log_file::add(line);
         if self.verbose {
-            self.say(line);
+            self.print(line);
         }
     }
 
