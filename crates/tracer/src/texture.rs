@@ -15,8 +15,20 @@ pub struct Raster<T> {
     pub map: Mat2,
     /// Added to that.
     pub offset: Vec2,
-    /// Whether the image ends at its border, whose colour goes on outside, instead of repeating.
-    pub clamp: bool,
+    /// What lies outside of it, to the sides and above and below.
+    pub wrap: [Wrap; 2],
+}
+
+/// What lies outside of an image, along one axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Wrap {
+    /// The image again.
+    #[default]
+    Repeat,
+    /// Its border, which goes on.
+    Clamp,
+    /// The image again, every other time turned round.
+    Mirror,
 }
 
 /// A colour, linear RGB, or three numbers of another kind.
@@ -72,7 +84,7 @@ impl<T: Texel> Raster<T> {
     /// When there are not `width` × `height` texels, or none: that is a mistake in the calling code.
     pub fn new(width: usize, height: usize, texels: Vec<T>) -> Self {
         assert!(!texels.is_empty() && texels.len() == width * height, "texels must fill the image");
-        Self { width, height, texels, map: Mat2::IDENTITY, offset: Vec2::ZERO, clamp: false }
+        Self { width, height, texels, map: Mat2::IDENTITY, offset: Vec2::ZERO, wrap: [Wrap::Repeat; 2] }
     }
 
     /// What the image shows at texture coordinates `uv` (origin at the image's bottom left, as OBJ has it).
@@ -80,9 +92,9 @@ impl<T: Texel> Raster<T> {
     /// Texel centres lie at half-integers. Coordinates that are not finite give the first texel.
     pub fn lookup(&self, uv: Vec2) -> T::Value {
         let uv = self.map * uv + self.offset;
-        let uv = if self.clamp { uv.clamp(Vec2::ZERO, Vec2::ONE) } else { uv };
-        let (x0, x1, fx) = neighbours(uv.x, self.width, self.clamp);
-        let (y0, y1, fy) = neighbours(1.0 - uv.y, self.height, self.clamp);
+        let [across, down] = self.wrap;
+        let (x0, x1, fx) = neighbours(uv.x, self.width, across);
+        let (y0, y1, fy) = neighbours(1.0 - uv.y, self.height, down);
         let texel = |x: usize, y: usize| self.texels[y * self.width + x].value();
         let top = T::between(texel(x0, y0), texel(x1, y0), fx);
         let bottom = T::between(texel(x0, y1), texel(x1, y1), fx);
@@ -107,8 +119,12 @@ impl Texture {
 }
 
 /// The two texels round coordinate `c` (1 is the whole image) in a row of `count`, and the weight of the second.
-fn neighbours(c: f32, count: usize, clamp: bool) -> (usize, usize, f32) {
-    let within = if clamp { c } else { c - c.floor() };
+fn neighbours(c: f32, count: usize, wrap: Wrap) -> (usize, usize, f32) {
+    let within = match wrap {
+        Wrap::Repeat => c - c.floor(),
+        Wrap::Clamp => c.clamp(0.0, 1.0),
+        Wrap::Mirror => 1.0 - (c - 2.0 * (0.5 * c).floor() - 1.0).abs(),
+    };
     let position = within * count as f32 - 0.5;
     if !position.is_finite() {
         return (0, 0, 0.0);
@@ -117,7 +133,8 @@ fn neighbours(c: f32, count: usize, clamp: bool) -> (usize, usize, f32) {
     let place = |i: isize| {
         let last = count as isize - 1;
         // The fraction is below 1 but its product may round up to `count`.
-        (if clamp { i.clamp(0, last) } else { i.rem_euclid(last + 1) }) as usize
+        // A mirrored image goes on with its own border.
+        (if wrap == Wrap::Repeat { i.rem_euclid(last + 1) } else { i.clamp(0, last) }) as usize
     };
     (place(below as isize), place(below as isize + 1), position - below)
 }
@@ -155,12 +172,23 @@ mod tests {
 
     #[test]
     fn a_clamped_image_ends_at_its_border() {
-        let t = Texture { clamp: true, ..checker() };
+        let t = Texture { wrap: [Wrap::Clamp; 2], ..checker() };
         for (outside, border) in [([-3.0, 0.75], [0.0, 0.75]), ([0.75, 9.0], [0.75, 1.0]), ([2.0, -2.0], [1.0, 0.0])] {
             assert_eq!(t.lookup(outside.into()), t.lookup(border.into()));
         }
         assert_eq!(t.lookup(Vec2::new(0.0, 1.0)), Vec3::X);
         assert_eq!(t.lookup(Vec2::new(0.5, 1.0)), 0.5 * Vec3::X);
+    }
+
+    #[test]
+    fn every_other_mirrored_image_is_turned_round() {
+        let t = Texture { wrap: [Wrap::Mirror, Wrap::Clamp], ..checker() };
+        for (x, same) in [(1.2, 0.8), (-0.3, 0.3), (2.4, 0.4), (3.75, 0.25), (-1.6, 0.4)] {
+            let [found, expected] = [x, same].map(|x| t.lookup(Vec2::new(x, 0.7)));
+            assert!((found - expected).length() < 1e-5, "{x}: {found} {expected}");
+        }
+        assert_eq!(t.lookup(Vec2::new(0.0, 0.75)), Vec3::X, "nothing is blended across a border");
+        assert_eq!(t.lookup(Vec2::new(0.25, 7.0)), Vec3::X);
     }
 
     #[test]
@@ -175,7 +203,9 @@ mod tests {
         let t = checker();
         for c in [f32::NAN, f32::INFINITY, -f32::MIN_POSITIVE, 1.0f32.next_down(), 1e30] {
             assert!(t.lookup(Vec2::new(c, c)).is_finite());
-            assert!(Texture { clamp: true, ..checker() }.lookup(Vec2::new(c, c)).is_finite());
+            for wrap in [Wrap::Clamp, Wrap::Mirror] {
+                assert!(Texture { wrap: [wrap; 2], ..checker() }.lookup(Vec2::new(c, c)).is_finite());
+            }
         }
     }
 }

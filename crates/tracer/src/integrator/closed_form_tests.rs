@@ -14,7 +14,7 @@ use crate::environment::{Environment, EnvironmentMap};
 use crate::light::DeltaLight;
 use crate::material::{Grey, Surface};
 use crate::scene::Scene;
-use crate::texture::{GreyTexture, Texture};
+use crate::texture::{GreyTexture, Texture, Wrap};
 
 const DEFAULT: TraceSettings = TraceSettings::DEFAULT;
 const DOWN: Vec3 = Vec3::new(0.0, 0.0, 0.0);
@@ -280,9 +280,9 @@ fn lamps_with_textures_and_holes_shine_as_much_as_there_is_of_them() {
         .quad(Vec3::new(-5.0, 0.0, 5.0), Vec3::X * 10.0, -Vec3::Z * 10.0, (diffuse(0.5), 0.0))
         .quad(Vec3::new(-1.0, 1.5, -0.5), Vec3::X * 2.0, Vec3::Z, lamp(6.0));
     let lamp = pieces.last_material();
-    let bright = Texture { clamp: true, ..Texture::new(64, 1, half(0.5, 1.0).map(|c| [c; 3]).collect()) };
+    let bright = Texture { wrap: [Wrap::Clamp; 2], ..Texture::new(64, 1, half(0.5, 1.0).map(|c| [c; 3]).collect()) };
     lamp.emission.texture = Some(Arc::new(bright));
-    let holes = GreyTexture { clamp: true, ..GreyTexture::new(64, 1, half(1.0, 0.5).collect()) };
+    let holes = GreyTexture { wrap: [Wrap::Clamp; 2], ..GreyTexture::new(64, 1, half(1.0, 0.5).collect()) };
     lamp.maps.opacity = Some(Grey { factor: 1.0, texture: Some(Arc::new(holes)) });
     let scene = pieces.under(None);
     let expected = 0.5 * 3.0 * 4.0 * corner_form_factor(1.0, 0.5, 1.5);

@@ -9,6 +9,7 @@ use toml::Spanned;
 use super::super::textures::{Channel, TextureUse};
 use super::keys::{FINITE, NOT_NEGATIVE, TomlValue, toml_table};
 use super::values::Triple;
+use crate::texture::Wrap;
 
 toml_table! {
     /// An image on a surface.
@@ -21,8 +22,8 @@ toml_table! {
         default scale: [f32; 2] = [1.0, 1.0], FINITE;
         /// added to the scaled *u* and *v*
         default offset: [f32; 2] = [0.0, 0.0], FINITE;
-        /// what lies outside of 0 … 1: the image again, or its border
-        default wrap: Wrap = Wrap::Repeat;
+        /// what lies outside of 0 … 1: the image again, its border, or the image every other time turned round
+        default wrap: Outside = Outside::Repeat;
         /// where a single number is taken from
         optional channel: Channel = "`alpha` for `alpha`, where the image has it; else `luminance`";
     }
@@ -31,18 +32,34 @@ toml_table! {
 /// What lies outside of an image.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
-pub(super) enum Wrap {
+pub(super) enum Outside {
     Repeat,
     Clamp,
+    Mirror,
 }
 
-impl TomlValue for Wrap {
+impl Outside {
+    const fn wrap(self) -> Wrap {
+        match self {
+            Self::Repeat => Wrap::Repeat,
+            Self::Clamp => Wrap::Clamp,
+            Self::Mirror => Wrap::Mirror,
+        }
+    }
+}
+
+impl TomlValue for Outside {
     fn kind() -> String {
-        "`\"repeat\"` or `\"clamp\"`".into()
+        "`\"repeat\"`, `\"clamp\"` or `\"mirror\"`".into()
     }
 
     fn written(&self) -> String {
-        format!("`\"{}\"`", if *self == Self::Repeat { "repeat" } else { "clamp" })
+        let name = match self {
+            Self::Repeat => "repeat",
+            Self::Clamp => "clamp",
+            Self::Mirror => "mirror",
+        };
+        format!("`\"{name}\"`")
     }
 }
 
@@ -65,7 +82,7 @@ impl ImageTable {
             file: self.file().to_string_lossy().into_owned(),
             map: Mat2::from_diagonal(self.scale().into()),
             offset: Vec2::from_array(self.offset()),
-            clamp: self.wrap() == Wrap::Clamp,
+            wrap: [self.wrap().wrap(); 2],
             strength: self.factor().0[0] as f32,
             channel: self.channel().copied(),
         }

@@ -5,6 +5,7 @@ use gltf::texture::{Info, Texture, TextureTransform, WrappingMode};
 
 use super::super::textures::{TextureFiles, TextureUse};
 use super::buffers::{Buffers, embedded, file_name};
+use crate::texture::Wrap;
 
 /// A texture and how it is laid out.
 pub(super) struct PlacedTexture<'a> {
@@ -68,8 +69,12 @@ impl<'a> PlacedTexture<'a> {
             (None, None) => return Err(format!("texture '{inside}' is nowhere")),
         };
         let sampler = self.texture.sampler();
-        let clamp = [sampler.wrap_s(), sampler.wrap_t()].contains(&WrappingMode::ClampToEdge);
-        Ok(TextureUse { map: self.map, offset: self.offset, clamp, ..TextureUse::plain(file) })
+        let wrap = [sampler.wrap_s(), sampler.wrap_t()].map(|mode| match mode {
+            WrappingMode::Repeat => Wrap::Repeat,
+            WrappingMode::ClampToEdge => Wrap::Clamp,
+            WrappingMode::MirroredRepeat => Wrap::Mirror,
+        });
+        Ok(TextureUse { map: self.map, offset: self.offset, wrap, ..TextureUse::plain(file) })
     }
 }
 

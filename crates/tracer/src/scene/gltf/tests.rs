@@ -12,6 +12,7 @@ use super::super::{Loaded, load};
 use crate::Ray;
 use crate::light::DeltaLight;
 use crate::material::{Colour, Material, Surface};
+use crate::texture::Wrap;
 
 /// A unit square at z = 0: positions, texture coordinates in unsigned bytes, corners.
 const POSITIONS: [f32; 12] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0];
@@ -208,6 +209,15 @@ fn textures_lie_where_the_file_lays_them() {
     let moved = with(r#", "extensions": { "KHR_texture_transform": { "offset": [0.5, 0] } }"#, "");
     let Surface::Coated { diffuse, .. } = &moved.surface else { panic!() };
     assert_eq!(diffuse.at(at(0.25)), Vec3::ZERO);
+    let wraps = |sampler: &str| {
+        let textures = r#""textures": [{ "source": 0, "sampler": 0 }], "images": [{ "uri": "a%20b.png" }]"#;
+        let material = painted.replace("INFO", "").replace("MORE", "");
+        let rest =
+            format!(r#""nodes": [{{ "mesh": 0 }}], {textures}, "samplers": [{sampler}], "materials": [{material}]"#);
+        loaded(&document(&rest)).scene.materials[0].maps.roughness.clone().unwrap().wrap
+    };
+    assert_eq!(wraps("{}"), [Wrap::Repeat; 2]);
+    assert_eq!(wraps(r#"{ "wrapS": 33648, "wrapT": 33071 }"#), [Wrap::Mirror, Wrap::Clamp]);
     let opacity = |more: &str, x: f32| with("", more).maps.opacity.unwrap().at(at(x));
     assert!((opacity(r#", "alphaMode": "BLEND""#, 0.75) - 0.2).abs() < 1e-6);
     assert_eq!(opacity(r#", "alphaMode": "MASK""#, 0.75), 0.0);

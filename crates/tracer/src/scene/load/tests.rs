@@ -170,7 +170,7 @@ fn materials_may_be_given_images() {
     assert!(near(lamp.emission.at(at) / 10.0, [0.2, 1.006, 0.0]));
     let texture = lamp.emission.texture.unwrap();
     assert!(
-        texture.clamp
+        texture.wrap == [crate::texture::Wrap::Clamp; 2]
             && texture.map == glam::Mat2::from_diagonal(glam::Vec2::new(2.0, 3.0))
             && texture.offset == glam::Vec2::X
     );
@@ -204,8 +204,8 @@ fn materials_may_be_given_images() {
         "scene.toml:5: there is no key 'fil'; did you mean 'file'?"
     );
     assert_eq!(
-        refused("alpha = { file = \"a.png\", wrap = \"mirror\" }"),
-        "scene.toml:4: there is no value 'mirror'; did you mean 'repeat'?"
+        refused("alpha = { file = \"a.png\", wrap = \"tile\" }"),
+        "scene.toml:4: there is no value 'tile'; did you mean 'repeat'?"
     );
     assert_eq!(
         refused("alpha = { file = \"a.png\", factor = [1, 2, 3] }"),

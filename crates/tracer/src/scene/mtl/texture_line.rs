@@ -3,6 +3,7 @@
 use glam::{Mat2, Vec2};
 
 use super::super::textures::{Channel, TextureUse};
+use crate::texture::Wrap;
 
 /// Reads the options and the file name of a `map_…` statement; `None` without a file name.
 pub(super) fn parse(text: &str) -> Option<TextureUse> {
@@ -19,7 +20,12 @@ pub(super) fn parse(text: &str) -> Option<TextureUse> {
             "o" => rest = take_vector(rest, &mut line.offset),
             "t" => rest = take_vector(rest, &mut Vec2::ZERO.clone()),
             "mm" => rest = skip_words(rest, 2),
-            "clamp" => rest = take_word(rest, |word| line.clamp = word.eq_ignore_ascii_case("on")),
+            "clamp" => {
+                rest = take_word(rest, |word| {
+                    let wrap = if word.eq_ignore_ascii_case("on") { Wrap::Clamp } else { Wrap::Repeat };
+                    line.wrap = [wrap; 2];
+                });
+            }
             "bm" => rest = take_word(rest, |word| line.strength = word.parse().unwrap_or(1.0)),
             "imfchan" => rest = take_word(rest, |word| line.channel = channel(word)),
             "blendu" | "blendv" | "cc" | "texres" | "boost" | "type" => rest = skip_words(rest, 1),
@@ -81,7 +87,7 @@ mod tests {
         let scaled =
             TextureUse { map: Mat2::from_diagonal(Vec2::new(2.0, 3.0)), offset: Vec2::new(0.5, 0.0), ..plain.clone() };
         assert_eq!(parse("-s 2 3 1 -o .5 -clamp off a b.png"), Some(scaled));
-        let bump = TextureUse { clamp: true, strength: 0.25, channel: Some(Channel::Alpha), ..plain };
+        let bump = TextureUse { wrap: [Wrap::Clamp; 2], strength: 0.25, channel: Some(Channel::Alpha), ..plain };
         assert_eq!(parse("-clamp on -bm .25 -imfchan m a b.png"), Some(bump));
         assert_eq!(parse("-s 2 1 1"), None);
         assert_eq!(parse(""), None);

@@ -216,7 +216,7 @@ fn maps_make_holes_relief_roughness_and_metal() {
     let holes = leaf.maps.opacity.as_ref().unwrap();
     assert_eq!((holes.factor, holes.texture.as_ref().unwrap().texels.as_slice()), (1.0, &[0.0, 1.0][..]));
     let Surface::Diffuse { reflectance } = &leaf.surface else { panic!("not diffuse") };
-    assert!(reflectance.texture.as_ref().unwrap().clamp);
+    assert_eq!(reflectance.texture.as_ref().unwrap().wrap, [crate::texture::Wrap::Clamp; 2]);
     assert!(matches!(&metal.surface, Surface::Coated { alpha: 0.25, .. }));
     assert_eq!(metal.maps.roughness.as_ref().unwrap().texels, [0.0, 0.2]);
     assert_eq!(metal.maps.metallic.as_ref().unwrap().texture.as_ref().unwrap().texels, [0.0, 1.0]);

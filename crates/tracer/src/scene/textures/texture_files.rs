@@ -11,10 +11,10 @@ use super::super::obj::find_file;
 use super::super::picture_file::{decode, decode_bytes, linear_rgb, plain_rgb, plain_rgba};
 use super::bump::{is_normal_map, normals_of_heights, steeper};
 use super::{Channel, TextureUse};
-use crate::texture::{GreyTexture, Raster, Texel, Texture};
+use crate::texture::{GreyTexture, Raster, Texel, Texture, Wrap};
 
-/// Where an image lies on the surface: map, offset, and whether it is clamped.
-type Layout = ([u32; 6], bool);
+/// Where an image lies on the surface: map, offset, and what lies outside of it.
+type Layout = ([u32; 6], [Wrap; 2]);
 
 /// What has been made of which file, laid out how; the third number tells what was made of it.
 type Made<K, T> = HashMap<(PathBuf, Layout, K), Arc<Raster<T>>>;
@@ -177,7 +177,7 @@ fn made<K: Copy + Eq + Hash, T: Texel>(
         }
     };
     let ([a, b, c, d], [x, y]) = (texture.map.to_cols_array(), texture.offset.to_array());
-    let layout = ([a, b, c, d, x, y].map(f32::to_bits), texture.clamp);
+    let layout = ([a, b, c, d, x, y].map(f32::to_bits), texture.wrap);
     let key = (file.clone(), layout, kind);
     if let Some(texture) = before.get(&key) {
         return Ok(texture.clone());
@@ -185,7 +185,7 @@ fn made<K: Copy + Eq + Hash, T: Texel>(
     let image = held.map_or_else(|| decode(&file), |bytes| decode_bytes(bytes)).and_then(|image| make(&image));
     let ([width, height], texels) = image.map_err(|e| format!("texture '{}' cannot be read: {e}", texture.file))?;
     let texture =
-        Raster { map: texture.map, offset: texture.offset, clamp: texture.clamp, ..Raster::new(width, height, texels) };
+        Raster { map: texture.map, offset: texture.offset, wrap: texture.wrap, ..Raster::new(width, height, texels) };
     Ok(before.entry(key).or_insert(Arc::new(texture)).clone())
 }
 

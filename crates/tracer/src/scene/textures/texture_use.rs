@@ -3,6 +3,8 @@
 use glam::{Mat2, Vec2};
 use serde::Deserialize;
 
+use crate::texture::Wrap;
+
 /// Which image, and how it is laid on a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub(in super::super) struct TextureUse {
@@ -12,8 +14,8 @@ pub(in super::super) struct TextureUse {
     pub(in super::super) map: Mat2,
     /// What is added to that.
     pub(in super::super) offset: Vec2,
-    /// Whether the image ends at its border, whose colour goes on outside, instead of repeating.
-    pub(in super::super) clamp: bool,
+    /// What lies outside of the image, to the sides and above and below.
+    pub(in super::super) wrap: [Wrap; 2],
     /// Of a height map, how many texels wide a height of 1 is high; of a normal map, a factor on its slopes.
     pub(in super::super) strength: f32,
     /// Which channel a single number is taken from, where it is said.
@@ -34,6 +36,6 @@ pub(in super::super) enum Channel {
 impl TextureUse {
     /// An image that covers texture coordinates 0 … 1 once, and repeats.
     pub(in super::super) const fn plain(file: String) -> Self {
-        Self { file, map: Mat2::IDENTITY, offset: Vec2::ZERO, clamp: false, strength: 1.0, channel: None }
+        Self { file, map: Mat2::IDENTITY, offset: Vec2::ZERO, wrap: [Wrap::Repeat; 2], strength: 1.0, channel: None }
     }
 }
