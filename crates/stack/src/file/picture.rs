@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::borrowed::BorrowedSamples;
 use super::layers::{Frame, write_channels};
-use super::{Carried, FileError, Layers, read_pfm, write_pfm};
+use super::{Carried, FileError, Layers, Record, read_pfm, write_pfm};
 use crate::{Image, Window};
 
 /// Reads the picture in an EXR file (its `R G B`, the first layer that has them, or a grey `Y`) or a PFM file.
@@ -24,15 +24,33 @@ pub fn read_picture_with_alpha(path: &Path) -> Result<(Image, Option<Vec<f32>>),
         return Ok((read_pfm(path)?, None));
     }
     let mut layers = Layers::read(path)?;
-    let size = layers.window.size;
-    let (prefix, planes) = match colour_prefix(&layers) {
+    let (picture, prefix) = take_picture(&mut layers)?;
+    Ok((picture, layers.take(&format!("{prefix}A"))))
+}
+
+/// As [`read_picture`], with what the file says about how the picture was made.
+///
+/// # Errors
+/// As [`read_picture`].
+pub fn read_picture_with_record(path: &Path) -> Result<(Image, Record), FileError> {
+    if extension(path) == "pfm" {
+        return Ok((read_pfm(path)?, Record::default()));
+    }
+    let mut layers = Layers::read(path)?;
+    let record = Record::take(&mut layers);
+    Ok((take_picture(&mut layers)?.0, record))
+}
+
+/// Takes the picture out, and tells what stood in front of its channels' names.
+fn take_picture(layers: &mut Layers) -> Result<(Image, String), FileError> {
+    let (prefix, planes) = match colour_prefix(layers) {
         Ok(prefix) => {
             let planes = ["R", "G", "B"].iter().filter_map(|c| layers.take(&format!("{prefix}{c}"))).collect();
             (prefix, planes)
         }
         Err(no_colour) => (String::new(), vec![layers.take("Y").ok_or(no_colour)?; 3]),
     };
-    Ok((Image::from_channels(size, planes), layers.take(&format!("{prefix}A"))))
+    Ok((Image::from_channels(layers.window.size, planes), prefix))
 }
 
 /// What stands in front of `R`, `G` and `B` in the channels that hold the picture.
@@ -97,6 +115,31 @@ mod tests {
         assert_eq!(alpha, Some(vec![0.0, 0.5]));
         write(&["Z", "depth"]);
         assert!(read_picture(&path).unwrap_err().to_string().contains("R G B"));
+    }
+
+    #[test]
+    fn only_files_of_ours_have_settings_and_counts() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.exr");
+        let size = Size::new(2, 1);
+        let carried = Carried::default();
+        let write = |metadata: Option<&serde_json::Value>| {
+            let frame = Frame { window: Window::whole(size), film: size, carried: &carried };
+            let channels = ["R", "G", "B", "samples.Y"].map(|name| (name.into(), BorrowedSamples::Float(&[2.0, 6.0])));
+            write_channels(&path, frame, metadata, channels.to_vec()).unwrap();
+            read_picture_with_record(&path).unwrap()
+        };
+        let settings = serde_json::json!({"trace": {"seed": 3}});
+        let header = serde_json::json!({"first": 0, "sequences": 8, "buckets": 8, "settings": settings});
+        let (picture, record) = write(Some(&header));
+        let spp = record.spp.unwrap();
+        assert_eq!((spp.mean, spp.min, spp.max), (4.0, 2, 6));
+        assert_eq!((record.settings, record.software.as_deref()), (Some(settings), Some("tamis")));
+        assert_eq!(picture, read_picture(&path).unwrap());
+        for foreign in [None, Some(&serde_json::json!("another program's"))] {
+            let (_, record) = write(foreign);
+            assert_eq!((record.settings, record.spp), (None, None));
+        }
     }
 
     #[test]
