@@ -138,6 +138,48 @@ fn compare_leaves_out_what_the_mask_does() {
 }
 
 #[test]
+fn compare_writes_a_page_whatever_the_answer() {
+    let workplace = Workplace::new();
+    workplace.must("render box.obj --size 16x12 --spp 4 --seed 5 --uniform --no-denoise -o noisy.exr --quiet");
+    workplace.must("render box.obj --size 16x12 --spp 64 --uniform --no-denoise -o ref1.exr --quiet");
+    workplace.must("render box.obj --size 16x12 --spp 64 --seed 1 --uniform --no-denoise -o ref2.exr --quiet");
+    let table = workplace.must("compare ref1.exr noisy.exr --ref2 ref2.exr").stdout();
+    let run = workplace.tamis("compare ref1.exr noisy.exr --ref2 ref2.exr --html page.html --max-rmse 1e-9");
+    assert_eq!((run.code(), run.stdout()), (Some(1), table.clone()));
+    let page = String::from_utf8(workplace.bytes("page.html")).unwrap();
+    for name in ["high", "low"] {
+        assert_eq!(page.matches(&format!("<img class=\"{name}\"")).count(), 3, "{name}");
+    }
+    let data = page.split("id=\"data\">").nth(1).and_then(|rest| rest.split("</script").next());
+    let data = json(data.expect("the page has data"));
+    let picture = |i: usize, key: &str| data["pictures"][i][key].clone();
+    for (i, role, name) in
+        [(0, "reference", "ref1.exr"), (1, "image", "noisy.exr"), (2, "second reference", "ref2.exr")]
+    {
+        assert_eq!((picture(i, "role"), picture(i, "name")), (role.into(), name.into()));
+    }
+    let found = picture(1, "found");
+    assert_eq!((found["seed"].as_u64(), found["spp"]["mean"].as_f64()), (Some(5), Some(4.0)));
+    assert_eq!(found["preset"]["name"], "best");
+    for cell in data["table"]["rows"][0][1].as_array().unwrap() {
+        assert!(table.contains(cell.as_str().unwrap()), "{cell} is not in:\n{table}");
+    }
+
+    workplace.must("render box.obj --size 12x16 --spp 1 --no-denoise -o turned.exr --quiet");
+    for line in ["ref1.exr noisy.exr turned.exr", "ref1.exr noisy.exr --ref2 turned.exr", "ref1.exr absent.exr"] {
+        let run = workplace.tamis(&format!("compare {line} --html other.html"));
+        assert_eq!((run.code(), run.errors().len()), (Some(2), 1), "{line}");
+    }
+    let before = workplace.bytes("noisy.exr");
+    for page in ["noisy.exr", "absent/page.html"] {
+        let run = workplace.tamis(&format!("compare ref1.exr noisy.exr --html {page}"));
+        assert!(run.code() >= Some(2) && run.errors().len() == 1 && run.stdout().is_empty(), "{page}");
+    }
+    assert_eq!(workplace.bytes("noisy.exr"), before);
+    assert!(workplace.files().iter().all(|name| name != "other.html" && !name.starts_with(".tamis-")));
+}
+
+#[test]
 fn methods_are_set_beside_each_other() {
     let workplace = Workplace::new();
     std::fs::create_dir(workplace.path("box")).unwrap();

@@ -271,6 +271,9 @@ pub struct CompareArgs {
     /// A picture of the same size: pixels that are black in it are left out of every measure.
     #[arg(long, value_name = "FILE")]
     pub mask: Option<PathBuf>,
+    /// Write a page that shows the pictures, their errors and their settings in a browser: one file, which needs no other.
+    #[arg(long, value_name = "PAGE.html")]
+    pub html: Option<PathBuf>,
     /// Print JSON instead of a table.
     #[arg(long)]
     pub json: bool,

@@ -1,0 +1,86 @@
+//! `tamis compare`: how far pictures are from a reference.
+
+mod encoded_picture;
+mod page;
+mod reduced;
+mod settings_found;
+mod table;
+
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use reconstruct::metrics::{Comparison, Reference, compare};
+use serde_json::{Value, json};
+use stack::file::read_picture_with_record;
+
+use crate::args::CompareArgs;
+use crate::failure::{Verdict, usage};
+use crate::mask::read_mask;
+use crate::stdout::print_line;
+use page::{Page, Shown, check_page};
+use reduced::Scale;
+use table::Table;
+
+/// Runs the command.
+pub fn run(args: &CompareArgs) -> Result<Verdict> {
+    if !(args.epsilon > 0.0 && args.epsilon.is_finite()) {
+        return Err(usage(format!("--epsilon: expected a number above 0, found {}", args.epsilon)));
+    }
+    args.html.as_deref().map(check_page).transpose()?;
+    let (picture, record) = read_picture_with_record(&args.reference)?;
+    let second = args.ref2.as_deref().map(read_picture_with_record).transpose()?;
+    let mask = args.mask.as_deref().map(|file| read_mask(file, picture.size())).transpose()?;
+    let reference = Reference {
+        second: second.as_ref().map(|(picture, _)| picture),
+        epsilon: args.epsilon,
+        mask: mask.as_deref(),
+        ..Reference::new(&picture)
+    };
+    let scale = args.html.as_ref().map(|_| Scale::of(&picture));
+    let (mut measured, mut shown) = (Vec::new(), Vec::new());
+    for file in &args.images {
+        let (image, record) = read_picture_with_record(file)?;
+        let comparison = compare(&image, &reference).with_context(|| file.display().to_string())?;
+        measured.push((file.as_path(), comparison));
+        // Only what the page needs of it is kept while the next is read.
+        shown.extend(scale.map(|scale| Shown::new(file, &image, &record, scale)).transpose()?);
+    }
+    let table = Table::of(&measured);
+    if args.json {
+        print_line(report(args, &measured))?;
+    } else {
+        print_line(&table)?;
+    }
+    if let (Some(file), Some(scale)) = (&args.html, scale) {
+        let first = Shown::new(&args.reference, &picture, &record, scale)?;
+        let second = args.ref2.as_deref().zip(second.as_ref());
+        let second = second.map(|(file, (picture, record))| Shown::new(file, picture, record, scale)).transpose()?;
+        Page { args, reference, scale, first, shown, second, table }.write(file)?;
+    }
+    let too_far = |c: &Comparison| above(c.rmse, args.max_rmse) || above(c.flip, args.max_flip);
+    Ok(if measured.iter().any(|(_, comparison)| too_far(comparison)) { Verdict::No } else { Verdict::Done })
+}
+
+fn above(measure: Option<f64>, limit: Option<f64>) -> bool {
+    matches!((measure, limit), (Some(measure), Some(limit)) if measure > limit || measure.is_nan())
+}
+
+fn report(args: &CompareArgs, measured: &[(&Path, Comparison)]) -> Value {
+    let images: Vec<Value> = measured
+        .iter()
+        .map(|(file, comparison)| {
+            let mut entry = json!({ "file": file });
+            if let (Value::Object(entry), Value::Object(measures)) = (&mut entry, json!(comparison)) {
+                entry.extend(measures);
+            }
+            entry
+        })
+        .collect();
+    json!({
+        "reference": args.reference,
+        "ref2": args.ref2,
+        "mask": args.mask,
+        "epsilon": args.epsilon,
+        "images": images,
+    })
+}
