@@ -118,7 +118,7 @@ pub mod tests {
         // Twelve orders of magnitude, the channels far apart, of either sign.
         let value = |i: usize, c: usize| {
             let magnitude = 10_f32.powf(((i * 7919 + c * 104_729) % 1201) as f32 / 100.0 - 6.0);
-            if (i + c) % 5 == 0 { -magnitude } else { magnitude }
+            if (i + c).is_multiple_of(5) { -magnitude } else { magnitude }
         };
         let planes = (0..3).map(|c| (0..size.pixels()).map(|i| value(i, c)).collect()).collect();
         let mut picture = Image::from_channels(size, planes);

@@ -9,7 +9,7 @@ const colours = palette();
 const names = shortNames(data.pictures.map(({ name }) => name));
 
 /** What is shown. */
-const state = { view: "slider", errors: false, stops: data.stops, left: 0, right: 1, wipe: 0.5, place: null, inset: 23 };
+const state = { view: "slider", errors: false, stops: data.stops, left: 0, right: 1, place: null, inset: 23 };
 
 /** Of each picture, once it is read: its codes, and the logarithms of its errors. */
 const pictures = [];
@@ -183,13 +183,15 @@ function expose(stops) {
 
 function choose(view, errors) {
   Object.assign(state, { view, errors });
-  const pressed = { "show-slider": view === "slider", "show-grid": view === "grid", "show-light": !errors, "show-errors": errors };
-  for (const [id, value] of Object.entries(pressed)) at(id).setAttribute("aria-pressed", value);
-  at("slider").hidden = view !== "slider";
+  at("show-slider").setAttribute("aria-pressed", view === "slider");
+  at("show-grid").setAttribute("aria-pressed", view === "grid");
+  at("show-light").setAttribute("aria-pressed", !errors);
+  at("show-errors").setAttribute("aria-pressed", errors);
+  at("slider").hidden = at("pair").hidden = view !== "slider";
   at("grid").hidden = view !== "grid";
   drawLegend();
   update();
-  soon(fitPixels);
+  soon(fit);
 }
 
 function pick(side, i) {
@@ -202,17 +204,40 @@ function pick(side, i) {
 }
 
 function moveWipe(share) {
-  state.wipe = Math.min(Math.max(share, 0), 1);
-  at("over").style.clipPath = `inset(0 ${(1 - state.wipe) * 100}% 0 0)`;
-  at("divider").style.left = `${state.wipe * 100}%`;
+  const left = Math.min(Math.max(share, 0), 1) * 100;
+  at("over").style.clipPath = `inset(0 ${100 - left}% 0 0)`;
+  at("divider").style.left = `${left}%`;
 }
 
-/** Pixels that are shown larger than they are have sharp edges; smaller ones are smoothed. */
-function fitPixels() {
+/** Fits the pictures to the window. Pixels shown larger than they are have sharp edges, smaller ones are smoothed. */
+function fit() {
+  if (state.view === "grid") arrangeGrid();
   for (const stage of document.querySelectorAll(".stage")) {
     stage.classList.toggle("sharp", stage.clientWidth * devicePixelRatio > width);
   }
 }
+
+/** As few columns as show all pictures at once, unless they become too small to see anything. */
+function arrangeGrid() {
+  const [gap, caption, least] = [16, 28, 250];
+  const inner = at("grid").clientWidth;
+  const taken = [document.querySelector("header"), at("controls"), at("choices"), at("insets")];
+  const free = Math.max(taken.reduce((left, part) => left - part.offsetHeight, innerHeight - gap * 2), least);
+  const sizeOf = (columns) => {
+    const rows = Math.ceil(pictures.length / columns);
+    const high = (free / rows - caption - gap) * width / height;
+    return { wide: (inner + gap) / columns - gap, high };
+  };
+  const tooHigh = (columns) => sizeOf(columns).wide > sizeOf(columns).high && sizeOf(columns + 1).wide >= least;
+  let columns = 1;
+  while (columns < pictures.length && tooHigh(columns)) columns += 1;
+  const { wide, high } = sizeOf(columns);
+  const side = Math.floor(Math.min(wide, Math.max(high, least), largest()));
+  at("grid").style.gridTemplateColumns = `repeat(${columns}, ${side}px)`;
+}
+
+/** Width that no picture exceeds: larger pixels show no more. */
+const largest = () => Math.max(width * 4, 320);
 
 // Building
 
@@ -281,6 +306,7 @@ function buildControls() {
   at("inset-size").addEventListener("change", (event) => {
     state.inset = Number(event.target.value);
     soon(drawInsets);
+    soon(fit);
   });
   for (const side of ["left", "right"]) {
     at(side).replaceChildren(...pictures.map((_, i) => {
@@ -292,7 +318,7 @@ function buildControls() {
   }
   follow(at("wipe"), moveWipe);
   addEventListener("keydown", press);
-  addEventListener("resize", () => soon(fitPixels));
+  addEventListener("resize", () => soon(fit));
 }
 
 const STEPS = { ArrowLeft: -0.25, ArrowRight: 0.25, ArrowDown: -1, ArrowUp: 1 };
@@ -324,19 +350,21 @@ function sayFacts() {
   at("title").textContent = title;
   document.title = `${title} – tamis compare`;
   const facts = [`${data.size.join("×")} pixels`, `ε = ${data.epsilon}`];
-  if (data.leftOut > 0) facts.push(`${data.leftOut} pixels not judged${data.mask === null ? "" : ` (mask ${data.mask})`}`);
+  const mask = data.mask === null ? "" : ` (mask ${data.mask})`;
+  if (data.leftOut > 0) facts.push(`${data.leftOut} pixels not judged${mask}`);
   at("facts").textContent = facts.join(" · ");
 }
 
 function warnings(damaged) {
   const said = [];
   if (data.factor > 1) {
-    said.push(`The pictures are too large to be shown whole: each pixel here is the mean of ${data.factor}×${data.factor}. `
-      + "Error maps, insets and the histogram are those of the smaller pictures; the measures are of all pixels.");
+    said.push("The pictures are too large to be shown whole: each pixel here is the mean of "
+      + `${data.factor}×${data.factor}. Error maps, insets and the histogram are those of the smaller pictures; the `
+      + "measures are of all pixels.");
   }
   if (damaged.length > 0) {
-    said.push(`This browser changes the pixels that a page reads, perhaps against fingerprinting: ${damaged.join(", ")} `
-      + "cannot be shown as they are. The measures and settings below are right.");
+    said.push("This browser changes the pixels that a page reads, perhaps against fingerprinting: "
+      + `${damaged.join(", ")} cannot be shown as they are. The measures and settings below are right.`);
   }
   return said;
 }
@@ -357,18 +385,20 @@ function tellSettings() {
     if (found === null) return "none";
     if (found.changes.length === 0) return found.name;
     const list = found.changes.map(([key, value, usual]) =>
-      element("li", `${key} = ${shownValue(value)} (else ${shownValue(usual)})`));
+      element("li", `${key} = ${shownValue(value)} (${found.name}: ${shownValue(usual)})`));
     return element("div", `${found.name}, but for`, [element("ul", "", list)]);
   };
   const rows = data.pictures.map(({ name, found }) =>
     [name, found.software ?? "none", spp(found.spp), shownValue(found.seed ?? "none"), found.method ?? "none",
       preset(found.preset)]);
-  fillTable(at("found"), ["", "Program", "Samples per pixel", "Seed", "Method", "Nearest preset"], rows);
-  tellDifferences(data.pictures.filter(({ found }) => found.settings !== null));
-  at("all-settings").replaceChildren(...data.pictures.map(({ name, found }) => {
-    if (found.settings === null) return element("p", `${name}: no settings in the file`);
+  const head = ["", "Program", "Samples per pixel", "Seed", "Method", "Nearest preset of this version"];
+  fillTable(at("found"), head, rows);
+  const known = data.pictures.filter(({ found }) => found.settings !== null);
+  tellDifferences(known);
+  at("all-settings").replaceChildren(...known.map(({ name, found }) => {
     const table = element("table");
-    fillTable(table, ["Setting", "Value"], Object.entries(found.settings).map(([key, value]) => [key, shownValue(value)]));
+    const settings = Object.entries(found.settings).map(([key, value]) => [key, shownValue(value)]);
+    fillTable(table, ["Setting", "Value"], settings);
     return element("details", "", [element("summary", `All settings of ${name}`), table]);
   }));
 }
@@ -390,7 +420,7 @@ async function begin() {
   const judged = pictures.slice(1).map(({ histogram }) => histogram);
   decades = commonDecades(judged);
   document.documentElement.style.setProperty("--aspect", width / height);
-  document.documentElement.style.setProperty("--most", `${Math.max(width * 4, 320)}px`);
+  document.documentElement.style.setProperty("--most", `${largest()}px`);
   buildControls();
   buildGrid();
   buildInsets();

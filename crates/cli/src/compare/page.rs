@@ -122,10 +122,10 @@ impl Page<'_> {
             "size": [size.width, size.height],
             "shown": [shown.width, shown.height],
             "factor": self.scale.factor,
-            "stops": self.scale.stops,
+            "stops": short(self.scale.stops),
             "lowest": self.scale.coding.lowest,
             "stepsPerOctave": STEPS_PER_OCTAVE,
-            "epsilon": self.args.epsilon,
+            "epsilon": short(self.args.epsilon),
             "mask": self.args.mask.as_ref().map(|file| file.display().to_string()),
             "leftOut": left_out,
             "pictures": pictures.collect::<Vec<_>>(),
@@ -142,6 +142,11 @@ impl Page<'_> {
     }
 }
 
+/// A number with no more digits than it has: as an f64, 0.001 would have sixteen.
+fn short(number: f32) -> Value {
+    number.to_string().parse::<f64>().map_or(Value::Null, Value::from)
+}
+
 /// Writes [`FRAME`] with its parts as `write_part` writes them.
 fn fill<W: Write>(out: &mut W, mut write_part: impl FnMut(&mut W, &str) -> std::io::Result<()>) -> std::io::Result<()> {
     let mut rest = FRAME;
@@ -155,8 +160,8 @@ fn fill<W: Write>(out: &mut W, mut write_part: impl FnMut(&mut W, &str) -> std::
     out.write_all(rest.as_bytes())
 }
 
-/// JSON that neither ends the script element it stands in nor begins a comment there, whatever files are called: in JSON,
-/// `<` stands in texts only, and may be escaped in them.
+/// JSON that neither ends the script element it stands in nor begins a comment there, whatever files are called: in
+/// JSON, `<` stands in texts only, and may be escaped in them.
 fn inside_script(json: &str) -> String {
     json.replace('<', "\\u003c")
 }

@@ -35,8 +35,8 @@ function sumOf(codes) {
 }
 
 /**
- * Logarithm to base 10 of every pixel's relative squared error, as the measure `rmse` takes it: what is not finite counts
- * as black. −∞ where there is no error, NaN where a pixel is not judged.
+ * Logarithm to base 10 of every pixel's relative squared error, as the measure `rmse` takes it: what is not finite
+ * counts as black. −∞ where there is no error, NaN where a pixel is not judged.
  */
 function logErrors(codes, reference, judged, values, epsilon) {
   const counted = values.map((value) => value === value ? value : 0);

@@ -37,16 +37,21 @@ function lineStyle(i) {
   return { style: `stroke: var(--line-${i % 8})`, "stroke-dasharray": ["none", "6 3", "2 3"][Math.floor(i / 8) % 3] };
 }
 
+const binEdge = (bin) => bin / BINS_PER_DECADE + FIRST_DECADE;
+const shareIn = ({ bins, judged }, bin) => bins[bin] / Math.max(judged, 1);
+
+/** The whole decades in which anybody has a share of the pixels that can be seen. */
+function drawnDecades(histograms) {
+  const seen = histograms.flatMap((h) => [...h.bins.keys()].filter((bin) => shareIn(h, bin) > 0.0002));
+  if (seen.length === 0) return [-6, 0];
+  return [Math.floor(binEdge(Math.min(...seen))), Math.ceil(binEdge(Math.max(...seen) + 1))];
+}
+
 /** Draws a line for each histogram into `svg`. */
 function drawHistogram(svg, histograms) {
   const [width, height, left, bottom, top] = [760, 280, 48, 26, 10];
-  const used = histograms.flatMap(({ bins }) => [bins.findIndex((n) => n > 0), bins.findLastIndex((n) => n > 0)]);
-  const bins = used.filter((bin) => bin >= 0);
-  const decade = (bin) => bin / BINS_PER_DECADE + FIRST_DECADE;
-  const first = Math.floor(decade(Math.min(...bins, 60)));
-  const last = Math.ceil(decade(Math.max(...bins, 119) + 1));
-  const share = ({ bins, judged }, bin) => bins[bin] / Math.max(judged, 1);
-  const highest = Math.max(0.01, ...histograms.flatMap((h) => [...h.bins.keys()].map((bin) => share(h, bin))));
+  const [first, last] = drawnDecades(histograms);
+  const highest = Math.max(0.01, ...histograms.flatMap((h) => [...h.bins.keys()].map((bin) => shareIn(h, bin))));
   const x = (log) => left + (log - first) / (last - first) * (width - left - 10);
   const y = (part) => height - bottom - part / highest * (height - bottom - top);
   svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
@@ -62,20 +67,25 @@ function drawHistogram(svg, histograms) {
   }
   histograms.forEach((histogram, i) => {
     const points = [];
-    for (let bin = (first - FIRST_DECADE) * BINS_PER_DECADE; decade(bin) < last; bin += 1) {
-      points.push(`${x(decade(bin + 0.5)).toFixed(1)} ${y(share(histogram, bin)).toFixed(1)}`);
+    for (let bin = (first - FIRST_DECADE) * BINS_PER_DECADE; binEdge(bin) < last - 1e-9; bin += 1) {
+      points.push(`${x(binEdge(bin + 0.5)).toFixed(1)} ${y(shareIn(histogram, bin)).toFixed(1)}`);
     }
     parts.push(shape(svg, "path", { d: `M${points.join("L")}`, ...lineStyle(i) }));
   });
   svg.replaceChildren(...parts);
 }
 
-/** Says which line is whose. */
+/** Says which line is whose, and what it leaves out: errors beyond the plot, and pixels without any. */
 function listLines(list, svg, names, histograms) {
-  list.replaceChildren(...histograms.map(({ judged, equal }, i) => {
+  const [first, last] = drawnDecades(histograms).map((log) => (log - FIRST_DECADE) * BINS_PER_DECADE);
+  list.replaceChildren(...histograms.map((histogram, i) => {
     const drawing = shape(svg, "svg", { viewBox: "0 0 32 12" });
     drawing.append(shape(svg, "path", { d: "M0 6H32", ...lineStyle(i) }));
-    const without = equal > 0 ? ` (${(equal / judged * 100).toFixed(1)} % without error, not drawn)` : "";
-    return element("li", "", [drawing, names[i] + without]);
+    const { bins, judged, equal } = histogram;
+    const sum = (from, to) => bins.slice(from, to).reduce((all, count) => all + count, 0);
+    const left = [["without error", equal], ["below", sum(0, first)], ["above", sum(last)]]
+      .filter(([, count]) => count > 0)
+      .map(([where, count]) => `${Number((count / judged * 100).toPrecision(2))} % ${where}`);
+    return element("li", "", [drawing, names[i] + (left.length > 0 ? ` (not drawn: ${left.join(", ")})` : "")]);
   }));
 }

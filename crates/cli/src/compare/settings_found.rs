@@ -11,7 +11,8 @@ const SEED: &str = "trace.seed";
 /// Where the settings say which method rebuilt the picture.
 const METHOD: &str = "reconstruction.method.method";
 
-/// The record of a file, its settings as a flat list, and which preset they are nearest to. What is not known is `null`.
+/// The record of a file, its settings as a flat list, and which preset they are nearest to. What is not known is
+/// `null`.
 pub fn settings_found(record: &Record) -> Value {
     let settings = record.settings.as_ref().map(flat);
     let get = |key: &str| settings.as_ref().and_then(|settings| settings.get(key));
