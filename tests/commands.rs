@@ -137,6 +137,21 @@ fn compare_leaves_out_what_the_mask_does() {
     assert_eq!((run.code(), run.errors().len()), (Some(2), 1));
 }
 
+/// A name of bytes that are no text was once a panic with `--json`.
+#[test]
+#[cfg(unix)]
+fn compare_takes_names_that_are_no_text() {
+    use std::os::unix::ffi::OsStrExt;
+    let workplace = Workplace::new();
+    let name = std::ffi::OsStr::from_bytes(b"a\xff.pfm");
+    let mut pfm = b"PF\n2 1\n-1.0\n".to_vec();
+    pfm.extend([1.0_f32, 2.0, 3.0, 4.0, 5.0, 6.0].iter().flat_map(|v| v.to_le_bytes()));
+    std::fs::write(workplace.path("").join(name), pfm).unwrap();
+    let output = workplace.command("compare --json --html page.html").args([name, name]).output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(json(&String::from_utf8(output.stdout).unwrap())["images"][0]["file"], "a\u{fffd}.pfm");
+}
+
 #[test]
 fn compare_writes_a_page_whatever_the_answer() {
     let workplace = Workplace::new();

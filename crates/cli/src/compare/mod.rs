@@ -66,10 +66,12 @@ fn above(measure: Option<f64>, limit: Option<f64>) -> bool {
 }
 
 fn report(args: &CompareArgs, measured: &[(&Path, Comparison)]) -> Value {
+    // As it is shown: a name need not be text, which JSON demands.
+    let name = |file: &Path| file.display().to_string();
     let images: Vec<Value> = measured
         .iter()
         .map(|(file, comparison)| {
-            let mut entry = json!({ "file": file });
+            let mut entry = json!({ "file": name(file) });
             if let (Value::Object(entry), Value::Object(measures)) = (&mut entry, json!(comparison)) {
                 entry.extend(measures);
             }
@@ -77,9 +79,9 @@ fn report(args: &CompareArgs, measured: &[(&Path, Comparison)]) -> Value {
         })
         .collect();
     json!({
-        "reference": args.reference,
-        "ref2": args.ref2,
-        "mask": args.mask,
+        "reference": name(&args.reference),
+        "ref2": args.ref2.as_deref().map(name),
+        "mask": args.mask.as_deref().map(name),
         "epsilon": args.epsilon,
         "images": images,
     })
