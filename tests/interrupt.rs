@@ -21,6 +21,9 @@ fn an_interrupted_render_keeps_its_samples_apart() {
     });
     assert!(kept, "nothing was kept after a minute");
     workplace.must("denoise a.partial.exr -o b.exr --quiet");
+    let run = workplace.must("render box.obj --size 200x200 --spp 1 --method ld -o a.exr --resume");
+    assert!(run.stderr().contains("from a.partial.exr"), "it holds more than a.exr: {}", run.stderr());
+    assert!(workplace.bytes("a.exr") != finished && !workplace.files().contains(&"a.partial.exr".into()));
 }
 
 fn interrupt_after(workplace: &Workplace, wait: Duration) {

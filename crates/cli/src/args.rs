@@ -25,6 +25,10 @@ pub enum Task {
     Render(Box<RenderArgs>),
     /// Reconstruct the picture of an existing feature stack.
     Denoise(DenoiseArgs),
+    /// Add up renders of the same picture with different samples, and reconstruct it.
+    Merge(MergeArgs),
+    /// Print the commands that render a picture in slices on several machines, a line each, and the one that merges them.
+    Plan(Box<PlanArgs>),
     /// Measure how far pictures are from a reference.
     Compare(CompareArgs),
     /// Say what a scene or stack holds, as Tamis reads it.
@@ -45,6 +49,8 @@ impl Task {
         match self {
             Self::Render(args) => Some(&args.report),
             Self::Denoise(args) => Some(&args.report),
+            Self::Merge(args) => Some(&args.report),
+            Self::Plan(args) => Some(&args.render.report),
             Self::Experiment(args) => Some(&args.report),
             Self::Bench(args) => Some(&args.report),
             Self::Compare(_) | Self::Info(_) | Self::Completions(_) | Self::Man(_) => None,
@@ -87,6 +93,16 @@ pub struct OutputArgs {
     /// Exposure of the .png in stops [default: chosen from the picture].
     #[arg(long, value_name = "EV", allow_negative_numbers = true)]
     pub exposure: Option<f32>,
+}
+
+impl OutputArgs {
+    /// The files to write: without any, `stem`.exr and `stem`.png in the working directory.
+    pub fn files(&self, stem: &str) -> Vec<PathBuf> {
+        if self.output.is_empty() {
+            return ["exr", "png"].map(|ending| PathBuf::from(format!("{stem}.{ending}"))).to_vec();
+        }
+        self.output.clone()
+    }
 }
 
 /// How the picture is reconstructed.
@@ -157,9 +173,14 @@ pub struct RenderArgs {
     /// The same number of samples for every pixel.
     #[arg(long, help_heading = "Work")]
     pub uniform: bool,
-    /// Only this slice of the global range of sample numbers, for every pixel.
+    /// Only the samples A to B-1 of every pixel (A..B), uniformly. `merge` adds such slices up; those of one seed hold the
+    /// same samples together as one render.
     #[arg(long, value_name = "A..B", conflicts_with_all = ["spp", "time", "target_error"], help_heading = "Work")]
     pub samples: Option<crate::options::SampleRange>,
+    /// Go on from the samples in the output's .exr, or in the .partial.exr that an interrupted run left, up to what is asked
+    /// for.
+    #[arg(long, help_heading = "Work")]
+    pub resume: bool,
     /// Leave the picture as it was sampled.
     #[arg(long, help_heading = "Picture")]
     pub no_denoise: bool,
@@ -174,6 +195,13 @@ pub struct RenderArgs {
     pub output: OutputArgs,
     #[command(flatten)]
     pub report: ReportArgs,
+}
+
+impl RenderArgs {
+    /// What outputs are called that have no other name.
+    pub fn stem(&self) -> String {
+        self.scene.file_stem().map_or_else(|| "picture".into(), |stem| stem.to_string_lossy().into_owned())
+    }
 }
 
 /// What files are, where they do not say so themselves.
@@ -206,7 +234,7 @@ fn mapping(text: &str) -> Result<Mapping, String> {
     Ok((role.parse()?, layer.to_string()))
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, Default, Args)]
 pub struct DenoiseArgs {
     /// One stack: an .exr with layers, or several files whose names say what they are, or ROLE=FILE. With a folder or a
     /// name with #### as output, several stacks; #### in a name stands for the number of a frame.
@@ -247,6 +275,32 @@ pub struct DenoiseArgs {
     pub output: OutputArgs,
     #[command(flatten)]
     pub report: ReportArgs,
+}
+
+#[derive(Debug, Args)]
+pub struct MergeArgs {
+    /// Files that `render` wrote, of one scene, camera, size and crop: slices of one seed (--samples), or of several seeds.
+    /// Their order does not matter.
+    #[arg(required = true, value_name = "SLICE")]
+    pub slices: Vec<PathBuf>,
+    /// Take no more memory than this to reconstruct, as `denoise` does.
+    #[arg(long, value_name = "SIZE")]
+    pub max_memory: Option<Bytes>,
+    #[command(flatten)]
+    pub picture: PictureArgs,
+    #[command(flatten)]
+    pub output: OutputArgs,
+    #[command(flatten)]
+    pub report: ReportArgs,
+}
+
+#[derive(Debug, Args)]
+pub struct PlanArgs {
+    /// Slices to divide the samples of every pixel into.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), help_heading = "Work")]
+    pub slices: u32,
+    #[command(flatten)]
+    pub render: RenderArgs,
 }
 
 #[derive(Debug, Args)]
@@ -384,7 +438,7 @@ impl ExperimentArgs {
 /// The whole command line, with one flag for every setting of the libraries.
 pub fn command() -> Command {
     let knobs = |command: Command| Settings::describe().into_iter().fold(command, with_knob);
-    Cli::command().mut_subcommand("render", knobs).mut_subcommand("denoise", knobs)
+    ["render", "denoise", "merge", "plan"].into_iter().fold(Cli::command(), |all, name| all.mut_subcommand(name, knobs))
 }
 
 fn with_knob(command: Command, knob: stack::Knob) -> Command {

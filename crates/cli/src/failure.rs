@@ -58,6 +58,7 @@ fn fault(error: &(dyn std::error::Error + 'static)) -> Option<Fault> {
     ask!(
         stack::file::FileError,
         stack::file::PassError,
+        stack::merge::MergeError,
         tracer::scene::SceneError,
         tracer::integrator::TraceError,
         tracer::camera::CameraError,

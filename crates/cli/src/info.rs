@@ -95,6 +95,7 @@ fn describe_stack(file: &str, read: &ReadStack) -> Value {
         "features": stack.features.iter().map(|f| estimate(f.role.layer(), &f.estimate)).collect::<Vec<_>>(),
         "passthrough": stack.passthrough.iter().map(|c| c.name.clone()).collect::<Vec<_>>(),
         "settings": read.header.as_ref().map(|header| &header.settings),
+        "held": read.header.as_ref().and_then(|header| header.record.as_ref()).map(|record| &record.held),
         "notes": read.notes,
     })
 }
@@ -134,6 +135,8 @@ fn stack_lines(report: &Value) -> Vec<String> {
         lines.extend(layers.iter().map(|l| format!("  {name} {}: noise {}", text(&l["layer"]), text(&l["noise"]))));
     }
     lines.extend(list(report, "passthrough").iter().map(|name| format!("  carried along: {}", text(name))));
+    let range = |held: &Value| format!("  samples {}..{} of seed {}", held["first"], held["end"], held["seed"]);
+    lines.extend(list(report, "held").iter().map(range));
     lines.push(format!("  settings {}", report["settings"]));
     lines
 }

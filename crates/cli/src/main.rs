@@ -15,8 +15,10 @@ mod log_file;
 mod manual;
 mod mask;
 mod memory;
+mod merge;
 mod options;
 mod output;
+mod plan;
 mod progress;
 mod render;
 mod settings;
@@ -36,6 +38,8 @@ fn main() -> ExitCode {
     let outcome = log.and_then(|()| match cli.command {
         Task::Render(args) => render::run(&args, &matches),
         Task::Denoise(args) => denoise::run(&args, &matches),
+        Task::Merge(args) => merge::run(&args, &matches),
+        Task::Plan(args) => plan::run(&args, &matches),
         Task::Compare(args) => compare::run(&args),
         Task::Info(args) => info::run(&args),
         Task::Experiment(args) => experiment::run(&args),

@@ -34,17 +34,9 @@ impl Outputs {
     /// # Errors
     /// An unknown format or layer, or a place that cannot be written to.
     pub fn prepare(args: &OutputArgs, stem: &str) -> Result<Self> {
-        let mut files = args.output.clone();
-        if files.is_empty() {
-            files = ["exr", "png"].map(|ending| PathBuf::from(format!("{stem}.{ending}"))).to_vec();
-        }
+        let files = args.files(stem);
         for file in &files {
-            if !["exr", "png", "hdr", "pfm"].contains(&extension(file).as_str()) {
-                return Err(usage(format!(
-                    "{}: expected a name that ends in .exr, .png, .hdr or .pfm",
-                    file.display()
-                )));
-            }
+            check_format(file)?;
             check_writable(file)?;
         }
         Ok(Self { files, layers: layers(&args.aov)?, exposure: args.exposure })
@@ -116,6 +108,17 @@ impl Outputs {
         let with_inputs = Self { layers: vec!["inputs".into()], ..self.clone() };
         with_inputs.write_exr(file, written)
     }
+}
+
+/// Checks that a name ends as a format that can be written.
+///
+/// # Errors
+/// When it does not.
+pub fn check_format(file: &Path) -> Result<()> {
+    if ["exr", "png", "hdr", "pfm"].contains(&extension(file).as_str()) {
+        return Ok(());
+    }
+    Err(usage(format!("{}: expected a name that ends in .exr, .png, .hdr or .pfm", file.display())))
 }
 
 /// The layers a reconstruction adds to its picture, as far as its method has them.

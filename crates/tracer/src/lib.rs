@@ -3,6 +3,7 @@
 pub mod bsdf;
 pub mod bvh;
 pub mod camera;
+mod digest;
 pub mod environment;
 pub mod film;
 pub mod gather;

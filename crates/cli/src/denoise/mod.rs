@@ -25,7 +25,15 @@ pub fn run(args: &DenoiseArgs, matches: &ArgMatches) -> Result<Verdict> {
         }
         return batch::run(args, matches, &jobs);
     }
-    let task = Task { args, matches, inputs: inputs(args), output: args.output.clone() };
+    run_one(args, matches, inputs(args))
+}
+
+/// Reconstructs the one stack in `inputs`.
+///
+/// # Errors
+/// When a step fails.
+pub fn run_one(args: &DenoiseArgs, matches: &ArgMatches, inputs: Inputs) -> Result<Verdict> {
+    let task = Task { args, matches, inputs, output: args.output.clone() };
     let outputs = task.prepare()?;
     render::start_threads(&args.report)?;
     interrupt::listen();

@@ -70,7 +70,14 @@ fn trace(stage: &Stage, file: &Path, (seed, spp): (u64, u32), progress: &Progres
         return Err(stack::Cancelled.into());
     }
     let picture = finished.picture();
-    let header = StackHeader { first: 0, sequences: 1, buckets: 1, per_bucket: None, settings: settings.to_json() };
+    let header = StackHeader {
+        first: 0,
+        sequences: 1,
+        buckets: 1,
+        per_bucket: None,
+        settings: settings.to_json(),
+        record: None,
+    };
     let result = ResultLayer { name: "", channels: &["R", "G", "B"], planes: picture.channels() };
     Ok(write_stack(file, &finished.stack, true, &header, &[result], &Carried::default())?)
 }

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use anyhow::Result;
 use reconstruct::adaptive::{ErrorEstimate, estimated_rmse, round_budget, sample_map};
 use reconstruct::{ReconstructError, Reconstruction, reconstruct};
-use stack::{FeatureStack, Image, SampleMap};
+use stack::{FeatureStack, Image, SampleCounts, SampleMap};
 use tracer::camera::Camera;
 use tracer::film::Film;
 use tracer::integrator::{TraceError, TraceReport, trace};
@@ -35,6 +35,13 @@ impl Budget {
     /// `spp` samples for every pixel.
     pub const fn uniform(spp: u32) -> Self {
         Self { first: 0, spp: Some(spp), time: Duration::MAX, target_error: None, uniform: true }
+    }
+
+    /// Whether `counts` are as many samples as may be taken.
+    pub fn is_spent_by(&self, counts: &SampleCounts) -> bool {
+        let Some(spp) = self.spp else { return false };
+        let (mean, least, _) = counts.mean_min_max();
+        if self.uniform { least >= spp } else { mean >= f64::from(spp) }
     }
 
     /// Whether an estimated `error` is as low as the target, if there is one.
@@ -78,6 +85,7 @@ pub struct Finished {
     pub stack: FeatureStack,
     pub reconstruction: Option<Reconstruction>,
     pub rounds: Vec<Round>,
+    /// Samples that were traced; a film that was begun by an earlier run holds more.
     pub samples: u64,
     pub rays: u64,
     /// Samples that were NaN or infinite and count as zero.
@@ -88,7 +96,7 @@ pub struct Finished {
     pub missed_target: bool,
 }
 
-/// Fills `film` within `budget` and reconstructs its picture.
+/// Fills `film`, which may hold samples already, within `budget` and reconstructs its picture.
 ///
 /// # Errors
 /// When tracing or reconstruction fails; an interruption is no error.
@@ -128,7 +136,7 @@ impl State<'_> {
     /// The same number of samples everywhere, in doubling steps when only time or error bound the work.
     fn sample_uniformly(&mut self) -> Result<()> {
         if let Some(spp) = self.budget.spp {
-            self.trace(&self.film.next_samples(spp))?;
+            self.trace(&self.film.samples_up_to(spp))?;
             self.note(None);
             return Ok(());
         }
@@ -150,7 +158,7 @@ impl State<'_> {
     fn sample_adaptively(&mut self) -> Result<()> {
         let knobs = self.sampling.settings.rounds;
         let initial = self.budget.spp.map_or(knobs.initial_spp, |spp| spp.min(knobs.initial_spp));
-        self.trace(&self.film.next_samples(initial))?;
+        self.trace(&self.film.samples_up_to(initial))?;
         let mut round = 0;
         loop {
             let Some(share) = self.share(round) else { return Ok(()) };
@@ -163,16 +171,20 @@ impl State<'_> {
         }
     }
 
-    /// How many samples round `round` may hand out: an equal share of what remains, or as many as there are already
+    /// How many samples round `round` may hand out: an equal share of what remains, or as many as were traced already
     /// when no number of samples bounds the work. `None` when nothing remains.
     fn share(&self, round: u32) -> Option<u64> {
         match self.budget.spp {
             Some(spp) => {
                 let rounds = self.sampling.settings.rounds.iterations.saturating_sub(round);
-                let share = round_budget(u64::from(spp) * self.pixels(), self.report.samples, u64::from(rounds));
+                let share = round_budget(u64::from(spp) * self.pixels(), self.film.samples(), u64::from(rounds));
                 (share > 0 && rounds > 0 && !self.out_of_time(0.0)).then_some(share)
             }
-            None => (!self.out_of_time(1.0)).then_some(self.report.samples),
+            None => {
+                // A film that was begun by an earlier run may have needed none yet.
+                let least = u64::from(self.sampling.settings.rounds.initial_spp) * self.pixels();
+                (!self.out_of_time(1.0)).then_some(self.report.samples.max(least))
+            }
         }
     }
 
@@ -235,11 +247,10 @@ impl State<'_> {
     }
 
     fn note(&mut self, estimated_rmse: Option<f64>) {
-        self.rounds.push(round(&self.report, self.pixels(), self.start, estimated_rmse));
+        self.rounds.push(round(self.film.counts(), self.start, estimated_rmse));
     }
 
     fn finish(self, interrupted: bool, rebuild: bool) -> Result<Finished> {
-        let pixels = self.pixels();
         let Self { sampling, film, budget, start, report, mut rounds } = self;
         let mut finished = Finished {
             stack: film.into_stack(),
@@ -260,7 +271,7 @@ impl State<'_> {
             match reconstruct(&finished.stack, &sampling.settings.reconstruction, sampling.progress) {
                 Ok(reconstruction) => {
                     let error = estimated_rmse(&reconstruction.mse, &reconstruction.picture);
-                    rounds.push(round(&report, pixels, start, Some(error)));
+                    rounds.push(round(&finished.stack.samples, start, Some(error)));
                     finished.missed_target = budget.target_error.is_some() && !budget.is_met_by(error);
                     sampling.show(&reconstruction.picture, &reconstruction.mse);
                     finished.reconstruction = Some(reconstruction);
@@ -275,9 +286,9 @@ impl State<'_> {
 }
 
 /// What there is now.
-fn round(report: &TraceReport, pixels: u64, start: Instant, estimated_rmse: Option<f64>) -> Round {
-    let seconds = start.elapsed().as_secs_f64();
-    Round { spp: report.samples as f64 / pixels as f64, estimated_rmse, seconds }
+fn round(counts: &SampleCounts, start: Instant, estimated_rmse: Option<f64>) -> Round {
+    let (spp, ..) = counts.mean_min_max();
+    Round { spp, estimated_rmse, seconds: start.elapsed().as_secs_f64() }
 }
 
 fn is_cancelled(error: &anyhow::Error) -> bool {

@@ -2,7 +2,9 @@
 
 mod adaptive_loop;
 mod plan;
+mod record;
 pub mod report;
+mod resume;
 pub mod tev;
 mod view;
 
@@ -11,8 +13,9 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 use clap::ArgMatches;
-use stack::Image;
+use serde_json::Value;
 use stack::file::{Carried, StackHeader, extension};
+use stack::{Image, SampleCounts};
 use tracer::film::Film;
 
 use crate::args::{RenderArgs, ReportArgs};
@@ -24,6 +27,7 @@ use crate::stdout::print_line;
 
 pub use adaptive_loop::{Budget, Finished, Sampling, trace_adaptively};
 pub use plan::Plan;
+use resume::Begun;
 use tev::Preview;
 use view::open;
 pub use view::{View, open_scene};
@@ -31,16 +35,24 @@ pub use view::{View, open_scene};
 /// Runs the command.
 pub fn run(args: &RenderArgs, matches: &ArgMatches) -> Result<Verdict> {
     let start = Instant::now();
-    let stem = args.scene.file_stem().map_or_else(|| "picture".into(), |stem| stem.to_string_lossy().into_owned());
-    let outputs = Outputs::prepare(&args.output, &stem)?;
+    let outputs = Outputs::prepare(&args.output, &args.stem())?;
     start_threads(&args.report)?;
     interrupt::listen();
     let progress = Progress::new(&args.report);
     let view = open(args, &progress)?;
     let plan = Plan::new(args, matches, view.render.as_ref())?;
     let camera = view.camera(plan.size)?;
+    let shown = record::view_of(&view, &plan.settings);
 
-    let film = Film::new(plan.window, plan.size, &plan.settings.trace).starting_at(plan.budget.first);
+    let found = if args.resume { Begun::find(&outputs, &plan, &shown, &progress)? } else { None };
+    let (begun, film) = found.unzip();
+    let new = || Film::new(plan.window, plan.size, &plan.settings.trace).starting_at(plan.budget.first);
+    let film = film.unwrap_or_else(new);
+    if let Some(begun) = begun.as_ref().filter(|begun| begun.is_finished(&film, &plan.budget)) {
+        let finished = Finished::nothing_new(film.into_stack());
+        return say_that_nothing_is_missing(args, &outputs, &plan, (begun, &finished), &view, &progress);
+    }
+    let stem = args.stem();
     let preview = args.tev.as_ref().map(|address| Preview::open(address, &stem, plan.window.size)).transpose()?;
     let sampling = Sampling {
         scene: &view.scene,
@@ -52,7 +64,7 @@ pub fn run(args: &RenderArgs, matches: &ArgMatches) -> Result<Verdict> {
     let finished = trace_adaptively(&sampling, film, &plan.budget, plan.reconstruct)?;
     progress.finish();
     let picture = finished.picture();
-    let (header, carried) = (header(&plan), Carried::default());
+    let (header, carried) = (header(&plan, &shown, &finished.stack.samples), Carried::default());
     let written = Written {
         picture: &picture,
         stack: &finished.stack,
@@ -65,6 +77,7 @@ pub fn run(args: &RenderArgs, matches: &ArgMatches) -> Result<Verdict> {
     }
     let writing = Instant::now();
     outputs.write(&written, &progress)?;
+    begun.iter().for_each(|begun| begun.clear_away(&progress));
     let clock = report::Clock {
         load: view.load_seconds,
         build: view.build_seconds,
@@ -92,7 +105,7 @@ pub fn start_threads(report: &ReportArgs) -> Result<()> {
     Ok(())
 }
 
-fn header(plan: &Plan) -> StackHeader {
+fn header(plan: &Plan, shown: &Value, counts: &SampleCounts) -> StackHeader {
     let trace = &plan.settings.trace;
     StackHeader {
         first: plan.budget.first,
@@ -100,7 +113,30 @@ fn header(plan: &Plan) -> StackHeader {
         buckets: trace.buckets,
         per_bucket: None,
         settings: plan.settings.to_json(),
+        record: Some(record::record_of(shown, trace.seed, counts)),
     }
+}
+
+/// Leaves a render alone that has all samples already.
+fn say_that_nothing_is_missing(
+    args: &RenderArgs,
+    outputs: &Outputs,
+    plan: &Plan,
+    (begun, finished): (&Begun, &Finished),
+    view: &View,
+    progress: &Progress,
+) -> Result<Verdict> {
+    progress.say(&format!("nothing is missing in {}: it is left as it is", begun.file.display()));
+    if args.report.json {
+        let (picture, carried) = (begun.picture()?, Carried::default());
+        let header = StackHeader::of(&finished.stack, Value::Null);
+        let stack = &finished.stack;
+        let written = Written { picture: &picture, stack, reconstruction: None, header: &header, carried: &carried };
+        let (load, build) = (view.load_seconds, view.build_seconds);
+        let clock = report::Clock { load, build, write: 0.0, total: load + build };
+        print_line(report::render(outputs, &written, plan, finished, &clock, progress, view))?;
+    }
+    Ok(Verdict::Done)
 }
 
 /// Where an interrupted run leaves what it has: beside the first .exr output, else beside the first output.
@@ -117,7 +153,7 @@ fn keep_partial(args: &RenderArgs, outputs: &Outputs, written: &Written<'_>, pro
     outputs.write_partial(&path, &kept)?;
     let (mean, ..) = written.stack.samples.mean_min_max();
     progress.say(&format!(
-        "interrupted at {mean:.1} spp; kept in {} (tamis denoise {} -o {})",
+        "interrupted at {mean:.1} spp; kept in {} (tamis denoise {} -o {}; or go on with --resume)",
         path.display(),
         path.display(),
         first_name(outputs, &args.scene)
@@ -141,6 +177,20 @@ fn say_what_was_done(progress: &Progress, finished: &Finished, written: &Written
 }
 
 impl Finished {
+    /// What a loop leaves that had nothing to do.
+    fn nothing_new(stack: stack::FeatureStack) -> Self {
+        Self {
+            stack,
+            reconstruction: None,
+            rounds: Vec::new(),
+            samples: 0,
+            rays: 0,
+            not_finite: 0,
+            interrupted: false,
+            missed_target: false,
+        }
+    }
+
     /// The picture to show: reconstructed, or as it was sampled.
     pub fn picture(&self) -> Image {
         self.reconstruction.as_ref().map_or_else(|| self.stack.beauty(), |r| r.picture.clone())

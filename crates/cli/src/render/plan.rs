@@ -51,7 +51,9 @@ impl Plan {
             Some(crop) => inside(crop.0, size)?,
             None => Window::whole(size),
         };
-        let budget = budget(args, wishes.spp)?;
+        let mut budget = budget(args, wishes.spp)?;
+        // What is not reconstructed has no error to go by.
+        budget.uniform |= args.no_denoise;
         Ok(Self { size, window, budget, reconstruct: !args.no_denoise, preset, settings })
     }
 }

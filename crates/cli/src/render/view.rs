@@ -34,6 +34,11 @@ impl View {
     pub fn camera(&self, size: Size) -> Result<Camera> {
         Ok(self.camera.on(size)?)
     }
+
+    /// The camera without a film.
+    pub const fn description(&self) -> &CameraDescription {
+        &self.camera
+    }
 }
 
 /// Opens the scene with the flags that were given.

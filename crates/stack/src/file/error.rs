@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::merge::MergeError;
 use crate::{Fault, Size};
 
 /// A file could not be read or written as a picture or stack.
@@ -121,6 +122,9 @@ pub enum FileError {
         /// The other.
         second: PathBuf,
     },
+    /// Slices that cannot be added up.
+    #[error(transparent)]
+    Merge(#[from] MergeError),
     /// Sample counts that are neither one for all nor one for each.
     #[error("--spp: {given} numbers for {renders}; expected one for all, or one for each half or bucket")]
     SampleCounts {
@@ -144,6 +148,7 @@ impl FileError {
             Self::Io { action: "read", .. } => Fault::Input,
             Self::Io { .. } => Fault::Machine,
             Self::TooFewBuckets { .. } | Self::Unclear { .. } | Self::SampleCounts { .. } => Fault::Usage,
+            Self::Merge(cause) => cause.fault(),
             _ => Fault::Input,
         }
     }

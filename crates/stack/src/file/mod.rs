@@ -1,7 +1,7 @@
 //! Feature stacks and pictures as files.
 //!
 //! [`read_inputs`] takes a stack that Tamis wrote, or another renderer's: from one file with layers, several with a role
-//! each, two halves, or several independent renders. [`write_stack`] writes what is needed to get the very same stack
+//! each, two halves, several independent renders, or slices of one render. [`write_stack`] writes what is needed to get the very same stack
 //! again.
 //!
 //! The way of another renderer's files: `sources` (which file is what) → `exr_read`, `pfm` (channels) → `recognise` (which
@@ -48,6 +48,7 @@ mod renderer_tests;
 mod role;
 #[cfg(test)]
 mod round_trip;
+mod slices;
 mod slot_names;
 mod sources;
 mod survey;
@@ -70,6 +71,7 @@ pub use read::{Inputs, ReadStack, read_buckets, read_inputs, read_stack};
 pub use recognise::Mapping;
 pub use record::Record;
 pub use role::{Convention, Measure, Role, Slot};
+pub use slices::read_render;
 pub use sources::{Source, is_one_stack};
 pub use survey::{Survey, survey};
 pub use write::{ResultLayer, StackHeader, write_stack};

@@ -78,7 +78,8 @@ fn missing(wanted: &'static str, expected: &str, layers: &Layers) -> FileError {
     FileError::Missing { path: layers.path.clone(), wanted, expected: expected.into(), found: layers.names() }
 }
 
-fn found_in(stack: &FeatureStack) -> Found {
+/// What there is to say of a stack of ours.
+pub fn found_in(stack: &FeatureStack) -> Found {
     let role = |role: &str, layer: &str, channels: &[&str]| FoundRole {
         role: role.into(),
         channels: full_names(layer, channels),

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use super::found::Found;
 use super::loaded::{Loaded, ReadOptions, load};
 use super::own::{header_of, is_own, load_own, read_own};
+use super::slices::read_slices;
 use super::sources::{Open, Source, read_sources};
 use super::together::{alone, several};
 use super::{Carried, FileError, Layers, StackHeader};
@@ -34,6 +35,8 @@ pub enum Inputs {
     Halves([PathBuf; 2], Vec<Source>),
     /// Two or more independent renders.
     Buckets(Vec<PathBuf>),
+    /// Renders of ours that hold different samples of one picture.
+    Slices(Vec<PathBuf>),
 }
 
 /// Reads the stack in `inputs`.
@@ -56,12 +59,13 @@ pub(super) fn read_inputs_by(inputs: &Inputs, options: &ReadOptions, open: Open<
             }
             several(load_renders(paths, options, open)?, paths, &options.spp, false)
         }
+        Inputs::Slices(paths) => read_slices(paths, open),
     }
 }
 
 fn check_counts(inputs: &Inputs, options: &ReadOptions) -> Result<(), FileError> {
     let (renders, name) = match inputs {
-        Inputs::Files(_) => (1, "one render".to_string()),
+        Inputs::Files(_) | Inputs::Slices(_) => (1, "one render".to_string()),
         Inputs::Halves(..) => (2, "two halves".to_string()),
         Inputs::Buckets(paths) => (paths.len(), format!("{} buckets", paths.len())),
     };

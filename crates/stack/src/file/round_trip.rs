@@ -47,7 +47,10 @@ fn stack() -> FeatureStack {
 }
 
 fn header() -> StackHeader {
-    StackHeader { first: 0, sequences: 8, buckets: 8, per_bucket: None, settings: serde_json::json!({"seed": 3}) }
+    let held = vec![crate::merge::Held { first: 0, end: 12, seed: u64::MAX }];
+    let record = Some(crate::merge::Record { view: serde_json::json!({"camera": {"fov": 45.5}}), held });
+    let settings = serde_json::json!({"seed": 3});
+    StackHeader { first: 0, sequences: 8, buckets: 8, per_bucket: None, settings, record }
 }
 
 #[test]

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::borrowed::BorrowedSamples;
 use super::layers::{Frame, write_channels};
 use super::{Carried, FileError};
+use crate::merge::Record;
 use crate::{
     ComponentRole, Dealing, Estimate, FeatureRole, FeatureStack, GATHERED, INDIRECT, Image, Noise, SampleCounts,
 };
@@ -28,13 +29,17 @@ pub struct StackHeader {
     pub per_bucket: Option<Vec<u32>>,
     /// Every setting the picture was made with, so that it can be made again.
     pub settings: serde_json::Value,
+    /// Which samples of what a render holds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub record: Option<Record>,
 }
 
 impl StackHeader {
     /// What `stack`, which no film of ours made, is to us: as many sequences as buckets.
     pub fn of(stack: &FeatureStack, settings: serde_json::Value) -> Self {
         let buckets = stack.samples.dealing.buckets() as u32;
-        let header = Self { first: stack.samples.first, sequences: buckets, buckets, per_bucket: None, settings };
+        let header =
+            Self { first: stack.samples.first, sequences: buckets, buckets, per_bucket: None, settings, record: None };
         match &stack.samples.dealing {
             Dealing::Numbered { sequences, .. } => Self { sequences: *sequences, ..header },
             Dealing::PerPixel(_) => header,

@@ -6,6 +6,7 @@ use glam::{Vec2, Vec3};
 
 use super::SkyDirection;
 use super::distribution::Distribution;
+use crate::digest::Digest;
 
 /// A latitude-longitude map: u runs round the horizon, v from the zenith down.
 ///
@@ -41,6 +42,12 @@ impl EnvironmentMap {
     /// Columns and rows.
     pub const fn size(&self) -> [usize; 2] {
         [self.width, self.height]
+    }
+
+    /// Adds what tells it from other maps.
+    pub(super) fn digest(&self, digest: &mut Digest) {
+        digest.length(self.width);
+        self.texels.iter().for_each(|texel| digest.numbers(texel));
     }
 
     /// Mean radiance over all directions.

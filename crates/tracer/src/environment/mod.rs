@@ -9,6 +9,8 @@ use glam::{Vec2, Vec3};
 
 pub use map::EnvironmentMap;
 
+use crate::digest::Digest;
+
 /// Light from infinitely far away.
 #[derive(Clone, Debug)]
 pub struct Environment {
@@ -85,6 +87,14 @@ impl Environment {
     /// Density per solid angle of [`sample_direction`](Self::sample_direction); 0 for a constant or a black sky.
     pub fn direction_pdf(&self, direction: Vec3) -> f32 {
         self.map.as_ref().map_or(0.0, |map| map.direction_pdf(self.map_direction(direction)))
+    }
+
+    /// Adds what tells it from other skies.
+    pub(crate) fn digest(&self, digest: &mut Digest) {
+        let Self { radiance, map, turn } = self;
+        digest.numbers(radiance.as_ref());
+        digest.numbers(turn.as_ref());
+        map.iter().for_each(|map| map.digest(digest));
     }
 
     #[inline]

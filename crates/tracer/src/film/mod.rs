@@ -78,6 +78,11 @@ impl Film {
         &self.counts
     }
 
+    /// How many samples it holds, all pixels together.
+    pub fn samples(&self) -> u64 {
+        self.counts.total.iter().map(|n| u64::from(*n)).sum()
+    }
+
     /// How many samples of all pixels come before the next ones, those of slices before this one included.
     pub(crate) fn samples_before(&self) -> u64 {
         self.counts.total.iter().map(|n| u64::from(self.counts.first) + u64::from(*n)).sum()
@@ -87,6 +92,12 @@ impl Film {
     pub fn next_samples(&self, count: u32) -> SampleMap {
         let first = self.counts.total.iter().map(|n| self.counts.first + n).collect();
         SampleMap { first, count: vec![count; self.counts.total.len()] }
+    }
+
+    /// The next samples of every pixel that has fewer than `count`, so that it has as many.
+    pub fn samples_up_to(&self, count: u32) -> SampleMap {
+        let missing = self.counts.total.iter().map(|n| count.saturating_sub(*n)).collect();
+        SampleMap { count: missing, ..self.next_samples(0) }
     }
 
     /// Independently scrambled sequences and buckets.

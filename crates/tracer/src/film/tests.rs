@@ -135,3 +135,13 @@ fn a_slice_starts_where_it_should() {
     assert_eq!(buckets[6].channels()[0][1], record(1, 6).scattered.x);
     assert_eq!(buckets[0].channels()[0][1], 0.0);
 }
+
+#[test]
+fn only_what_is_missing_is_asked_for() {
+    let mut film = Film::new(WINDOW, Size::new(64, 64), &settings(8, 8)).starting_at(5);
+    add(&mut film, 5..8);
+    film.counts.total[7] = 9;
+    let map = film.samples_up_to(8);
+    assert_eq!((map.first[0], map.count[0], map.first[7], map.count[7]), (8, 5, 14, 0));
+    assert_eq!(film.samples(), 359 * 3 + 9);
+}

@@ -7,6 +7,7 @@ mod description;
 mod emitters;
 mod environment_file;
 mod error;
+mod fingerprint;
 mod gltf;
 mod guess;
 mod instance;
@@ -31,6 +32,7 @@ pub use description::{RawRender, RenderEntry, TableDescription, describe_tables,
 pub use emitters::EmissiveTriangle;
 pub use environment_file::read_environment;
 pub use error::{Place, SceneError};
+pub use fingerprint::Fingerprint;
 pub use guess::{Guess, guess_camera, guess_environment};
 pub use instance::Instance;
 pub use load::{Loaded, load};
