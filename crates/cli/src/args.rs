@@ -27,7 +27,8 @@ pub enum Task {
     Denoise(DenoiseArgs),
     /// Add up renders of the same picture with different samples, and reconstruct it.
     Merge(MergeArgs),
-    /// Print the commands that render a picture in slices on several machines, a line each, and the one that merges them.
+    /// Print the commands that render a picture in slices on several machines, a line each, and the one that adds them
+    /// up.
     Plan(Box<PlanArgs>),
     /// Measure how far pictures are from a reference.
     Compare(CompareArgs),
@@ -173,12 +174,12 @@ pub struct RenderArgs {
     /// The same number of samples for every pixel.
     #[arg(long, help_heading = "Work")]
     pub uniform: bool,
-    /// Only the samples A to B-1 of every pixel (A..B), uniformly. `merge` adds such slices up; those of one seed hold the
-    /// same samples together as one render.
+    /// Only the samples A to B-1 of every pixel (A..B), uniformly. `merge` adds such slices up; together they hold the
+    /// same samples as one uniform render, but gathered light is made within each.
     #[arg(long, value_name = "A..B", conflicts_with_all = ["spp", "time", "target_error"], help_heading = "Work")]
     pub samples: Option<crate::options::SampleRange>,
-    /// Go on from the samples in the output's .exr, or in the .partial.exr that an interrupted run left, up to what is asked
-    /// for.
+    /// Go on from the samples in the output's .exr, or in the .partial.exr that an interrupted run left, up to what is
+    /// asked for.
     #[arg(long, help_heading = "Work")]
     pub resume: bool,
     /// Leave the picture as it was sampled.
@@ -279,8 +280,8 @@ pub struct DenoiseArgs {
 
 #[derive(Debug, Args)]
 pub struct MergeArgs {
-    /// Files that `render` wrote, of one scene, camera, size and crop: slices of one seed (--samples), or of several seeds.
-    /// Their order does not matter.
+    /// Files that `render` wrote, of one scene, camera, size and crop: slices of one seed (--samples), or of several
+    /// seeds. Their order does not matter.
     #[arg(required = true, value_name = "SLICE")]
     pub slices: Vec<PathBuf>,
     /// Take no more memory than this to reconstruct, as `denoise` does.

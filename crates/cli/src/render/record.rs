@@ -38,8 +38,8 @@ impl Camera {
     }
 }
 
-/// All that samples depend on beside seed, number, size of the picture and crop: what the scene is, where it is seen from,
-/// and how paths are traced.
+/// All that samples depend on beside seed, number, size of the picture and crop: what the scene is, where it is seen
+/// from, and how paths are traced.
 pub fn view_of(view: &View, settings: &Settings) -> Value {
     let shown = Shown { scene: view.scene.fingerprint(), camera: Camera::of(view.description()) };
     // By way of text, as settings are: numbers are as short as they can be.

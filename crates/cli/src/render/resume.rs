@@ -23,8 +23,8 @@ pub struct Begun {
 }
 
 impl Begun {
-    /// Looks for what an earlier run left, its output or what was kept when it was interrupted, whichever holds more; and
-    /// its samples.
+    /// Looks for what an earlier run left, its output or what was kept when it was interrupted, whichever holds more;
+    /// and its samples.
     ///
     /// # Errors
     /// When that cannot be read, or is no part of the same render.
@@ -45,8 +45,8 @@ impl Begun {
         };
         if let Some([field, expected, found]) = misfit(plan, view, &stack, &record) {
             return Err(usage(format!(
-                "--resume: {}: {field}: expected {expected}, found {found}; give the flags it was rendered with, or leave \
-                 --resume out",
+                "--resume: {}: {field}: expected {expected}, found {found}; give the flags it was rendered with, \
+                 or leave --resume out",
                 file.display()
             )));
         }

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use super::Difference;
 use crate::Fault;
 
 /// Stacks that are no samples of one picture.
@@ -9,7 +10,8 @@ use crate::Fault;
 pub enum MergeError {
     /// Another program wrote it.
     #[error(
-        "{path}: not written by Tamis, so nothing tells which samples it holds; `denoise --buckets` takes other renderers' files"
+        "{path}: not written by Tamis, so nothing tells which samples it holds; `denoise --buckets` takes other \
+         renderers' files"
     )]
     NotOurs {
         /// The file.
@@ -30,23 +32,22 @@ pub enum MergeError {
         path: PathBuf,
     },
     /// It shows something else, or has other layers.
-    #[error("{path}: {field}: expected {expected} as in {like}, found {found}")]
+    #[error(
+        "{path}: {}: expected {} as in {like}, found {}",
+        difference.field, difference.expected, difference.found
+    )]
     Differs {
         /// The file.
         path: PathBuf,
         /// The one it should agree with.
         like: PathBuf,
-        /// In what.
-        field: String,
-        /// What that one has.
-        expected: String,
-        /// What the file has.
-        found: String,
+        /// In what it does not.
+        difference: Box<Difference>,
     },
     /// It holds samples that are there already.
     #[error(
-        "{path}: holds the samples {first}..{end} of seed {seed}, but {like} holds {like_first}..{like_end}: the same samples \
-         count once only"
+        "{path}: holds the samples {first}..{end} of seed {seed}, but {like} holds {like_first}..{like_end}: the same \
+         samples count once only"
     )]
     Overlap {
         /// The file.
@@ -72,14 +73,7 @@ impl MergeError {
         Fault::Input
     }
 
-    pub(super) fn differs(
-        path: &Path,
-        like: &Path,
-        field: impl Into<String>,
-        expected: impl ToString,
-        found: impl ToString,
-    ) -> Self {
-        let (path, like, field) = (path.into(), like.into(), field.into());
-        Self::Differs { path, like, field, expected: expected.to_string(), found: found.to_string() }
+    pub(super) fn differs(path: &Path, like: &Path, difference: Difference) -> Self {
+        Self::Differs { path: path.into(), like: like.into(), difference: Box::new(difference) }
     }
 }

@@ -1,7 +1,7 @@
 //! Adds up stacks that hold different samples of the same picture.
 //!
-//! Means are weighted with the samples behind them, bucket by bucket, and counts are added. Every step rounds, so whoever
-//! wants the same bytes whatever the order of files adds them in the order of their [`Record`]s.
+//! Means are weighted with the samples behind them, bucket by bucket, and counts are added. Every step rounds, so
+//! whoever wants the same bytes whatever the order of files adds them in the order of their [`Record`]s.
 
 mod error;
 mod record;
@@ -54,7 +54,8 @@ impl Sum {
     /// Adds another one.
     ///
     /// # Errors
-    /// When it shows something else, has other layers, or holds samples that are there already; the sum is then of no use.
+    /// When it shows something else, has other layers, or holds samples that are there already; the sum is then of no
+    /// use.
     pub fn add(&mut self, slice: Slice) -> Result<(), MergeError> {
         self.claims.add(&slice.path, record_of(&slice.path, &slice.header)?)?;
         let pair = Pair { like: &self.first, path: &slice.path };
@@ -119,7 +120,8 @@ impl Pair<'_> {
         if expected == found {
             return Ok(());
         }
-        Err(MergeError::differs(self.path, self.like, field, expected, found))
+        let (field, expected, found) = (field.into(), expected.to_string(), found.to_string());
+        Err(MergeError::differs(self.path, self.like, Difference { field, expected, found }))
     }
 }
 

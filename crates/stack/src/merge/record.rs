@@ -55,9 +55,9 @@ impl Claims {
     /// Adds one, unless it shows something else than the first, or holds what another does.
     pub(super) fn add(&mut self, path: &Path, record: &Record) -> Result<(), MergeError> {
         if let Some((like, first)) = self.slices.first()
-            && let Some(Difference { field, expected, found }) = first_difference(&first.view, &record.view)
+            && let Some(difference) = first_difference(&first.view, &record.view)
         {
-            return Err(MergeError::differs(path, like, field, expected, found));
+            return Err(MergeError::differs(path, like, difference));
         }
         for (like, other) in &self.slices {
             for theirs in &other.held {

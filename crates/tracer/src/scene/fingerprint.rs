@@ -11,7 +11,8 @@ use crate::digest::Digest;
 use crate::material::{Colour, Grey, Material, Surface, SurfaceMaps};
 use crate::texture::{GreyTexture, Raster, Texture};
 
-/// Digests of what a scene consists of. Equal scenes have equal ones, wherever their files are and whatever they are called.
+/// Digests of what a scene consists of. Equal scenes have equal ones, wherever their files are and whatever they are
+/// called.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Fingerprint {
     /// Meshes, where they stand and how they move.
