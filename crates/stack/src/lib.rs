@@ -1,8 +1,8 @@
 //! What flows between renderer and denoiser.
 //!
 //! A [`FeatureStack`] is the whole state of a picture before reconstruction; a [`SampleMap`] asks the renderer for more
-//! samples. Module [`mod@file`] reads and writes stacks as OpenEXR, module [`merge`] adds them up. This crate knows neither
-//! of its users.
+//! samples. Module [`mod@file`] reads and writes stacks as OpenEXR, module [`merge`] adds them up. This crate knows
+//! neither of its users.
 //!
 //! Limits: EXR files of scan lines or tiles, whose parts cover the same pixels with channels of full resolution; deep data
 //! is refused.

@@ -1,8 +1,8 @@
 //! Feature stacks and pictures as files.
 //!
 //! [`read_inputs`] takes a stack that Tamis wrote, or another renderer's: from one file with layers, several with a role
-//! each, two halves, several independent renders, or slices of one render. [`write_stack`] writes what is needed to get the very same stack
-//! again.
+//! each, two halves, several independent renders, or slices of one render. [`write_stack`] writes what is needed to get
+//! the very same stack again.
 //!
 //! The way of another renderer's files: `sources` (which file is what) → `exr_read`, `pfm` (channels) → `recognise` (which
 //! layer is what, by the names in `alias`, else `by_value`) → `loaded` (planes, `counts`, `convention` of variances) →
