@@ -139,6 +139,13 @@ fn adaptive_renders_and_other_seeds_are_weighed_pixel_by_pixel() {
 }
 
 #[test]
+fn numbers_that_follow_one_another_are_no_range_when_seeds_differ() {
+    let (stack, header) = sum(&[uniform(0..4, 0, [8, 8]), uniform(4..8, 1, [8, 8])]);
+    assert_eq!(header.record.unwrap().held.len(), 2);
+    assert_eq!(stack.samples.dealing, Dealing::PerBucket(vec![1; 8]));
+}
+
+#[test]
 fn one_slice_stays_what_it_is() {
     let alone = slice(0, vec![4, 9, 16, 5, 11, 8], 0, [8, 8]);
     let (stack, header) = sum(std::slice::from_ref(&alone));
