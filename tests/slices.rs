@@ -193,6 +193,9 @@ fn a_plan_finds_mistakes_before_its_jobs_do() {
     );
     let lines = workplace.must("plan a.toml --slices 2").stdout();
     assert!(lines.contains("--samples 0..3 ") && lines.contains("--samples 3..6 "), "the scene's number: {lines}");
+    let lines = workplace.must("plan a.toml --slices 1 --camera=-x --resume --threads 2 --aov all").stdout();
+    assert!(lines.contains("--camera=-x --resume --threads 2 --samples 0..6 "), "flags go on as they are: {lines}");
+    assert!(lines.ends_with("tamis merge a.0001.exr --aov all --threads 2 -o a.exr -o a.png\n"), "{lines}");
 }
 
 #[test]
