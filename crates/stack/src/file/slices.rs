@@ -53,7 +53,9 @@ pub(super) fn read_slices(paths: &[PathBuf], open: Open<'_>) -> Result<ReadStack
     let Some((sum, carried)) = sum else { return Err(FileError::Unclear { reason: "no file given".into() }) };
     let (stack, header) = sum.finish();
     let mut found = found_in(&stack);
-    found.remarks.push(format!("{} files add up to {}", paths.len(), in_words(header.record.as_ref())));
+    if paths.len() > 1 {
+        found.remarks.push(format!("{} files add up to {}", paths.len(), in_words(header.record.as_ref())));
+    }
     Ok(ReadStack { stack, header: Some(header), notes: found.lines(), found, carried })
 }
 
