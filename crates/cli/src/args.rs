@@ -186,9 +186,9 @@ pub struct RenderArgs {
     #[arg(long, help_heading = "Picture")]
     pub no_denoise: bool,
     /// Show the picture while it is made in the image viewer tev, at localhost:14158 if no other address is given.
-    #[arg(long, value_name = "HOST:PORT", num_args = 0..=1, default_missing_value = crate::render::tev::USUAL_ADDRESS,
+    #[arg(long, value_name = "HOST:PORT", num_args = 0..=1, default_missing_value = crate::options::TEV_ADDRESS,
         help_heading = "Output")]
-    pub tev: Option<crate::render::tev::Address>,
+    pub tev: Option<crate::options::Address>,
 
     #[command(flatten)]
     pub picture: PictureArgs,

@@ -23,6 +23,7 @@ mod progress;
 mod render;
 mod settings;
 mod stdout;
+mod table;
 
 use std::process::ExitCode;
 

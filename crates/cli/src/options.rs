@@ -118,6 +118,22 @@ impl FromStr for SampleRange {
     }
 }
 
+/// Where the viewer tev listens by itself.
+pub const TEV_ADDRESS: &str = "localhost:14158";
+
+/// A host and a port: `HOST:PORT`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Address(pub String);
+
+impl FromStr for Address {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let sound = text.rsplit_once(':').is_some_and(|(host, port)| !host.is_empty() && port.parse::<u16>().is_ok());
+        if sound { Ok(Self(text.into())) } else { Err(format!("expected HOST:PORT, as in {TEV_ADDRESS}")) }
+    }
+}
+
 /// A time with its unit: `90s`, `5m`, `1h`.
 pub fn duration(text: &str) -> Result<Duration, String> {
     let wrong = || "expected a number and s, m or h, as in 90s".to_string();
@@ -175,5 +191,13 @@ mod tests {
         assert!(["1,0", "0,2", "-1,0", "0", "0,nan"].iter().all(|wrong| wrong.parse::<Shutter>().is_err()));
         assert_eq!("4..9".parse(), Ok(SampleRange { first: 4, count: 5 }));
         assert!("9..9".parse::<SampleRange>().is_err() && "9".parse::<SampleRange>().is_err());
+    }
+
+    #[test]
+    fn addresses_have_a_host_and_a_port() {
+        assert!(["localhost:14158", "10.0.0.7:1", "[::1]:80"].iter().all(|text| text.parse::<Address>().is_ok()));
+        assert!(
+            ["scene.obj", "localhost", ":80", "host:99999", ""].iter().all(|text| text.parse::<Address>().is_err())
+        );
     }
 }

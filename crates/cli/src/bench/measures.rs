@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
 
-use crate::experiment::table::{Table, short};
+use crate::table::{Table, short};
 
 /// A step and its rate.
 #[derive(Clone, Debug, PartialEq)]

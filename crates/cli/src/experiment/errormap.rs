@@ -11,9 +11,9 @@ use super::case::Case;
 use super::geometric_mean::geometric_mean;
 use super::reference::references;
 use super::scenes::Stage;
-use super::table::{Table, maybe, short};
 use crate::args::ExperimentArgs;
 use crate::progress::Progress;
+use crate::table::{Table, maybe, short};
 
 /// Runs the experiment on every scene and every folder of buckets.
 pub fn run(args: &ExperimentArgs, progress: &Progress) -> Result<Vec<Table>> {

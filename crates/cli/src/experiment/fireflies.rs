@@ -4,8 +4,8 @@ use anyhow::Result;
 use reconstruct::spikes::{SpikeSettings, remove_spikes};
 use stack::{Image, Knobs, Size};
 
-use super::table::Table;
 use crate::progress::Progress;
+use crate::table::Table;
 
 const SIZE: Size = Size::new(128, 128);
 

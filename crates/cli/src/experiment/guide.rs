@@ -14,10 +14,10 @@ use self::kinds::{Kind, kinds};
 use self::lesson::write_lesson;
 use super::case::{Case, judged_by};
 use super::geometric_mean::geometric_mean;
-use super::table::{Table, maybe, short};
 use crate::args::ExperimentArgs;
 use crate::progress::Progress;
 use crate::settings::Settings;
+use crate::table::{Table, maybe, short};
 
 /// One guide of one stack: errors, and how far it was followed.
 struct Judged {

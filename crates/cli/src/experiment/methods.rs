@@ -14,12 +14,12 @@ use super::geometric_mean::geometric_mean;
 use super::oidn::{self, NAMES};
 use super::reference::references;
 use super::scenes::Stage;
-use super::table::{Table, maybe};
 use crate::args::ExperimentArgs;
 use crate::exposure;
 use crate::output::write_with_png;
 use crate::progress::Progress;
 use crate::settings::Preset;
+use crate::table::{Table, maybe};
 
 /// Every method there is, and `best` for all light at once.
 pub const METHODS: &[Entry] = &[

@@ -17,7 +17,6 @@ mod reference;
 mod scenes;
 mod sequences;
 mod stages;
-pub mod table;
 
 use anyhow::{Context, Result};
 use clap::ValueEnum;

@@ -11,12 +11,12 @@ use tracer::film::Film;
 
 use super::geometric_mean::{geometric_mean, mean};
 use super::reference::references;
-use super::table::{Table, maybe};
 use crate::args::ExperimentArgs;
 use crate::output::write_png;
 use crate::progress::Progress;
 use crate::render::{Budget, Finished, Sampling, View, open_scene, trace_adaptively};
 use crate::settings::Settings;
+use crate::table::{Table, maybe};
 
 /// This project's own scenes, from its folder.
 pub const OWN_SCENES: [&str; 3] = ["scenes/study.toml", "scenes/halves.toml", "scenes/defocus.toml"];

@@ -7,10 +7,10 @@ use anyhow::Result;
 
 use super::reference::reference;
 use super::scenes::{Stage, judge};
-use super::table::{Table, maybe};
 use crate::args::ExperimentArgs;
 use crate::progress::Progress;
 use crate::render::Budget;
+use crate::table::{Table, maybe};
 
 /// Numbers of sequences that are tried, each with eight buckets.
 const SEQUENCES: [u32; 3] = [1, 2, 8];

@@ -5,10 +5,10 @@ use reconstruct::metrics::Comparison;
 use reconstruct::{Reconstruction, reconstruct};
 
 use super::case::{Case, Flags, settings};
-use super::table::{Table, maybe};
 use crate::args::ExperimentArgs;
 use crate::progress::Progress;
 use crate::settings::Preset;
+use crate::table::{Table, maybe};
 
 /// A name and the flags that make it of the paper's settings.
 type Variant = (&'static str, Flags);

@@ -5,7 +5,7 @@ mod plan;
 mod record;
 pub mod report;
 mod resume;
-pub mod tev;
+mod tev;
 mod view;
 
 use std::path::{Path, PathBuf};

@@ -2,7 +2,6 @@
 
 use std::io::{ErrorKind, Write};
 use std::net::{TcpStream, ToSocketAddrs};
-use std::str::FromStr;
 use std::sync::Mutex;
 use std::time::Duration;
 
@@ -10,29 +9,14 @@ use anyhow::{Context, Result};
 use stack::{Image, Size};
 
 use crate::failure::usage;
+use crate::options::Address;
 use crate::progress::Progress;
-
-/// Where tev listens by itself.
-pub const USUAL_ADDRESS: &str = "localhost:14158";
 
 /// How long a viewer that does not answer is waited for.
 const PATIENCE: Duration = Duration::from_secs(5);
 
 /// What is shown: the picture, and its estimated squared error.
 const CHANNELS: [&str; 4] = ["R", "G", "B", "mse.Y"];
-
-/// A host and a port: `HOST:PORT`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Address(pub String);
-
-impl FromStr for Address {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let sound = text.rsplit_once(':').is_some_and(|(host, port)| !host.is_empty() && port.parse::<u16>().is_ok());
-        if sound { Ok(Self(text.into())) } else { Err(format!("expected HOST:PORT, as in {USUAL_ADDRESS}")) }
-    }
-}
 
 /// A picture in tev.
 pub struct Preview {
@@ -173,13 +157,5 @@ mod tests {
         assert!(preview.viewer.lock().unwrap().is_none());
         let refused = Preview::open(&address, "a", Size::new(2, 1)).err().unwrap();
         assert!(refused.to_string().ends_with("start tev first"), "{refused}");
-    }
-
-    #[test]
-    fn addresses_have_a_host_and_a_port() {
-        assert!(["localhost:14158", "10.0.0.7:1", "[::1]:80"].iter().all(|text| text.parse::<Address>().is_ok()));
-        assert!(
-            ["scene.obj", "localhost", ":80", "host:99999", ""].iter().all(|text| text.parse::<Address>().is_err())
-        );
     }
 }

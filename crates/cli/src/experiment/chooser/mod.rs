@@ -13,10 +13,10 @@ use reconstruct::reconstruct_with_chooser;
 use super::case::Case;
 use super::learning::held_out::held_out;
 use super::learning::versus::{Versus, versus_table, write_weights};
-use super::table::Table;
 use crate::args::ExperimentArgs;
 use crate::progress::Progress;
 use crate::settings::Settings;
+use crate::table::Table;
 
 /// How the network is trained, but for the seed.
 const TRAINING: TrainingSettings = TrainingSettings { steps: 600, blocks: 32, rate: 0.01, decay: 1e-4, seed: 0 };

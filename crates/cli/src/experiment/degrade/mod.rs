@@ -11,10 +11,10 @@ use stack::{FeatureStack, Image};
 use self::level::Level;
 use super::calibration::{Judged, calibrate};
 use super::case::{Case, Entry, settings};
-use super::table::{Table, maybe, short};
 use crate::args::ExperimentArgs;
 use crate::progress::Progress;
 use crate::settings::{Preset, Settings};
+use crate::table::{Table, maybe, short};
 
 /// Methods that are set beside what was asked for.
 const RIVALS: &[Entry] = &[

@@ -8,9 +8,9 @@ use super::outcome::{Outcome, Outcomes};
 use super::subject::Subject;
 use crate::args::ExperimentArgs;
 use crate::experiment::case::Entry;
-use crate::experiment::table::{Table, maybe};
 use crate::output::write_png;
 use crate::progress::Progress;
+use crate::table::{Table, maybe};
 
 /// What a figure of the paper compares, and how.
 pub struct Figure {

@@ -14,9 +14,9 @@ mod subject;
 
 use anyhow::Result;
 
-use super::table::Table;
 use crate::args::ExperimentArgs;
 use crate::progress::Progress;
+use crate::table::Table;
 use list::FIGURES;
 use outcome::Outcomes;
 use subject::Subject;

@@ -10,11 +10,11 @@ use crate::args::ExperimentArgs;
 use crate::experiment::case::{Entry, settings};
 use crate::experiment::methods::METHODS;
 use crate::experiment::scenes::Stage;
-use crate::experiment::table::{Table, maybe};
 use crate::output::write_png;
 use crate::progress::Progress;
 use crate::render::{Budget, Finished};
 use crate::settings::Preset;
+use crate::table::{Table, maybe};
 
 const LD: Entry = ("ld", Preset::Paper, &[("method", "ld")]);
 

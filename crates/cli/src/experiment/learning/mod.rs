@@ -14,12 +14,12 @@ use reconstruct::rivals::{self, Rival};
 use stack::Image;
 
 use super::case::Case;
-use super::table::Table;
 use crate::args::ExperimentArgs;
 use crate::exposure;
 use crate::output::write_with_png;
 use crate::progress::Progress;
 use crate::settings::Settings;
+use crate::table::Table;
 use held_out::held_out;
 use training_set::training_set;
 use versus::{Versus, versus_table, write_weights};

@@ -5,7 +5,7 @@ use reconstruct::metrics::Comparison;
 
 use crate::args::ExperimentArgs;
 use crate::experiment::geometric_mean::geometric_mean;
-use crate::experiment::table::{Table, maybe};
+use crate::table::{Table, maybe};
 
 /// Writes the weights to `weights.txt` in the experiment's folder.
 ///
