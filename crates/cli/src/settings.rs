@@ -97,12 +97,15 @@ impl Settings {
     }
 }
 
-/// The method of `best` for all light at once, hastened, with a smaller prefilter that leaves out what lies next.
+/// The method of `best` for all light at once, hastened, with a smaller prefilter that leaves out what lies next, and details
+/// and lost light looked for on a scale less each.
 fn fast() -> BestSettings {
     let mut best = BestSettings::default().hastened();
     best.light.apart = false;
     best.features.radius = 2;
     best.features.next = false;
     best.features.visibility_bandwidth = 0.0;
+    best.cascade.levels = 3;
+    best.restore.levels = 4;
     best
 }
