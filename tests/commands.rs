@@ -449,3 +449,17 @@ fn a_log_keeps_what_is_said_and_what_is_not() {
     }
     assert_eq!(workplace.tamis("render box.obj --log-file no/such/folder.txt").code(), Some(3));
 }
+
+#[test]
+fn checkpoints_keep_samples_until_the_picture_is_there() {
+    let workplace = Workplace::new();
+    let render = "render box.obj --size 16x12 --spp 8 -o a.exr";
+    let run = workplace.must(&format!("{render} --checkpoint 0s --verbose"));
+    assert_eq!(run.stderr().matches("spp are kept in a.partial.exr").count(), 3, "{}", run.stderr());
+    assert!(!workplace.files().contains(&"a.partial.exr".to_string()));
+    let with = workplace.bytes("a.exr");
+    workplace.must(render);
+    assert_eq!(workplace.bytes("a.exr"), with, "the picture does not depend on it");
+    let run = workplace.must(&format!("{render} --checkpoint 1h --verbose"));
+    assert!(!run.stderr().contains("are kept"));
+}

@@ -182,6 +182,10 @@ pub struct RenderArgs {
     /// asked for.
     #[arg(long, help_heading = "Work")]
     pub resume: bool,
+    /// Keep the samples there are in OUT.partial.exr, for --resume, after each round that ends so long after the last time
+    /// (`5m`). A uniform render of a given number of samples is one round.
+    #[arg(long, value_name = "TIME", value_parser = crate::options::duration, help_heading = "Output")]
+    pub checkpoint: Option<std::time::Duration>,
     /// Leave the picture as it was sampled.
     #[arg(long, help_heading = "Picture")]
     pub no_denoise: bool,

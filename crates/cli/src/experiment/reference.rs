@@ -63,8 +63,14 @@ fn trace(stage: &Stage, file: &Path, (seed, spp): (u64, u32), progress: &Progres
     settings.trace.seed = seed;
     (settings.trace.sequences, settings.trace.buckets) = (1, 1);
     let film = Film::new(stack::Window::whole(stage.camera.film), stage.camera.film, &settings.trace);
-    let sampling =
-        Sampling { scene: &stage.view.scene, camera: &stage.camera, settings: &settings, progress, preview: None };
+    let sampling = Sampling {
+        scene: &stage.view.scene,
+        camera: &stage.camera,
+        settings: &settings,
+        progress,
+        preview: None,
+        checkpoint: None,
+    };
     let finished = trace_adaptively(&sampling, film, &Budget::uniform(spp), false)?;
     if finished.interrupted {
         return Err(stack::Cancelled.into());

@@ -40,7 +40,14 @@ impl Stage {
     /// Renders it.
     pub fn render(&self, settings: &Settings, budget: &Budget, rebuild: bool, progress: &Progress) -> Result<Finished> {
         let film = Film::new(Window::whole(self.camera.film), self.camera.film, &settings.trace);
-        let sampling = Sampling { scene: &self.view.scene, camera: &self.camera, settings, progress, preview: None };
+        let sampling = Sampling {
+            scene: &self.view.scene,
+            camera: &self.camera,
+            settings,
+            progress,
+            preview: None,
+            checkpoint: None,
+        };
         let finished = trace_adaptively(&sampling, film, budget, rebuild)?;
         if finished.interrupted { Err(stack::Cancelled.into()) } else { Ok(finished) }
     }

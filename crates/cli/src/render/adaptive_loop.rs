@@ -11,6 +11,7 @@ use tracer::film::Film;
 use tracer::integrator::{TraceError, TraceReport, trace};
 use tracer::scene::Scene;
 
+use super::checkpoint::Checkpoint;
 use super::tev::Preview;
 use crate::interrupt;
 use crate::progress::Progress;
@@ -59,6 +60,8 @@ pub struct Sampling<'a> {
     pub progress: &'a Progress,
     /// Where pictures are shown while they are made.
     pub preview: Option<&'a Preview>,
+    /// Where samples are kept while more are taken.
+    pub checkpoint: Option<&'a Checkpoint<'a>>,
 }
 
 impl Sampling<'_> {
@@ -213,6 +216,9 @@ impl State<'_> {
     /// Reconstructs with the small window of the iterations; the estimated error, and what it rests on.
     fn estimate(&mut self) -> Result<(f64, FeatureStack, Reconstruction)> {
         let stack = self.film.to_stack();
+        if let Some(checkpoint) = self.sampling.checkpoint {
+            checkpoint.reach(&stack, self.sampling.progress);
+        }
         let reconstruction = reconstruct(&stack, &self.iteration_settings(), self.sampling.progress)?;
         let error = estimated_rmse(&reconstruction.mse, &reconstruction.picture);
         self.note(Some(error));

@@ -1,6 +1,7 @@
 //! `tamis render`: from a scene to a picture that knows its own error.
 
 mod adaptive_loop;
+mod checkpoint;
 mod plan;
 mod record;
 pub mod report;
@@ -15,7 +16,7 @@ use anyhow::{Context, Result};
 use clap::ArgMatches;
 use serde_json::Value;
 use stack::file::{Carried, StackHeader, extension};
-use stack::{Image, SampleCounts};
+use stack::{FeatureStack, Image, SampleCounts};
 use tracer::film::Film;
 
 use crate::args::{RenderArgs, ReportArgs};
@@ -26,6 +27,7 @@ use crate::progress::Progress;
 use crate::stdout::print_line;
 
 pub use adaptive_loop::{Budget, Finished, Sampling, trace_adaptively};
+use checkpoint::Checkpoint;
 pub use plan::Plan;
 use resume::Begun;
 use tev::Preview;
@@ -54,12 +56,15 @@ pub fn run(args: &RenderArgs, matches: &ArgMatches) -> Result<Verdict> {
     }
     let stem = args.stem();
     let preview = args.tev.as_ref().map(|address| Preview::open(address, &stem, plan.window.size)).transpose()?;
+    let write = |stack: &FeatureStack| keep(stack, &outputs, &plan, &shown);
+    let checkpoint = args.checkpoint.map(|every| Checkpoint::new(partial_path(&outputs), every, &write));
     let sampling = Sampling {
         scene: &view.scene,
         camera: &camera,
         settings: &plan.settings,
         progress: &progress,
         preview: preview.as_ref(),
+        checkpoint: checkpoint.as_ref(),
     };
     let finished = trace_adaptively(&sampling, film, &plan.budget, plan.reconstruct)?;
     progress.finish();
@@ -78,6 +83,7 @@ pub fn run(args: &RenderArgs, matches: &ArgMatches) -> Result<Verdict> {
     let writing = Instant::now();
     outputs.write(&written, &progress)?;
     begun.iter().for_each(|begun| begun.clear_away(&progress));
+    checkpoint.iter().for_each(|checkpoint| checkpoint.clear_away(&progress));
     let clock = report::Clock {
         load: view.load_seconds,
         build: view.build_seconds,
@@ -144,6 +150,14 @@ fn partial_path(outputs: &Outputs) -> PathBuf {
     let files = outputs.files();
     let named = files.iter().find(|file| extension(file) == "exr").or(files.first());
     named.map_or_else(|| PathBuf::from("picture.partial.exr"), |file| file.with_extension("partial.exr"))
+}
+
+/// Keeps the samples of a render that goes on.
+fn keep(stack: &FeatureStack, outputs: &Outputs, plan: &Plan, shown: &Value) -> Result<()> {
+    let (picture, carried) = (stack.beauty(), Carried::default());
+    let header = header(plan, shown, &stack.samples);
+    let written = Written { picture: &picture, stack, reconstruction: None, header: &header, carried: &carried };
+    outputs.write_partial(&partial_path(outputs), &written)
 }
 
 fn keep_partial(args: &RenderArgs, outputs: &Outputs, written: &Written<'_>, progress: &Progress) -> Result<Verdict> {

@@ -1,0 +1,100 @@
+//! `--checkpoint`: samples that are kept while a render goes on, for machines that stop.
+
+use std::io::ErrorKind;
+use std::path::PathBuf;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use anyhow::Result;
+use stack::FeatureStack;
+
+use crate::progress::Progress;
+
+/// A file that keeps the samples there are, from time to time.
+pub struct Checkpoint<'a> {
+    file: PathBuf,
+    every: Duration,
+    write: &'a dyn Fn(&FeatureStack) -> Result<()>,
+    state: Mutex<State>,
+}
+
+struct State {
+    last: Instant,
+    written: bool,
+}
+
+impl<'a> Checkpoint<'a> {
+    /// One that `write` writes to `file`, at most once in so long a time.
+    pub fn new(file: PathBuf, every: Duration, write: &'a dyn Fn(&FeatureStack) -> Result<()>) -> Self {
+        Self { file, every, write, state: Mutex::new(State { last: Instant::now(), written: false }) }
+    }
+
+    /// Keeps the samples of `stack`, when it is time. That it cannot is said; the render goes on, it may have more luck.
+    pub fn reach(&self, stack: &FeatureStack, progress: &Progress) {
+        let Ok(mut state) = self.state.lock() else { return };
+        if state.last.elapsed() < self.every {
+            return;
+        }
+        state.last = Instant::now();
+        let (mean, ..) = stack.samples.mean_min_max();
+        match (self.write)(stack) {
+            Ok(()) => {
+                state.written = true;
+                progress.whisper(&format!("{mean:.1} spp are kept in {}", self.file.display()));
+            }
+            Err(error) => progress.say(&format!("--checkpoint: {error:#}; rendering goes on")),
+        }
+    }
+
+    /// Removes the file, once its samples are in the finished output.
+    pub fn clear_away(&self, progress: &Progress) {
+        if self.state.lock().is_ok_and(|state| state.written)
+            && let Err(error) = std::fs::remove_file(&self.file)
+            // It may be the one that was resumed from, which is gone by now.
+            && error.kind() != ErrorKind::NotFound
+        {
+            progress.say(&format!("{} is of no more use, but cannot be removed: {error}", self.file.display()));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use stack::Size;
+
+    use super::*;
+    use crate::args::ReportArgs;
+
+    #[test]
+    fn samples_are_kept_when_it_is_time() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("a.partial.exr");
+        let progress = Progress::new(&ReportArgs { quiet: true, ..ReportArgs::default() });
+        let stack = tracer::film::Film::new(
+            stack::Window::whole(Size::new(2, 2)),
+            Size::new(2, 2),
+            &tracer::integrator::TraceSettings::DEFAULT,
+        )
+        .to_stack();
+        for (every, expected) in [(Duration::ZERO, 3), (Duration::from_secs(3600), 0)] {
+            let count = Cell::new(0);
+            let write = |_: &FeatureStack| {
+                count.set(count.get() + 1);
+                Ok(std::fs::write(&file, "samples")?)
+            };
+            let checkpoint = Checkpoint::new(file.clone(), every, &write);
+            (0..3).for_each(|_| checkpoint.reach(&stack, &progress));
+            assert_eq!((count.get(), file.exists()), (expected, expected > 0));
+            checkpoint.clear_away(&progress);
+            assert!(!file.exists());
+        }
+        let refuse = |_: &FeatureStack| Err(anyhow::anyhow!("disk full"));
+        let failing = Checkpoint::new(file.clone(), Duration::ZERO, &refuse);
+        failing.reach(&stack, &progress);
+        std::fs::write(&file, "another's").unwrap();
+        failing.clear_away(&progress);
+        assert!(file.exists(), "what it has not written it leaves alone");
+    }
+}
