@@ -84,7 +84,9 @@ impl Look {
             return Surface::Diffuse { reflectance: capped(self.base) };
         }
         let coat = if bare { Colour::constant(Vec3::splat(COMMON_COAT)) } else { self.coat };
-        coated(self.base, coat, self.metallic, self.alpha.unwrap_or(1.0))
+        // The base is what light finds that the coat lets in: both may be bright.
+        let (diffuse, specular) = parted(self.base, coat, self.metallic);
+        Surface::Coated { diffuse: capped(diffuse), specular: capped(specular), alpha: self.alpha.unwrap_or(1.0) }
     }
 }
 
@@ -97,14 +99,19 @@ pub(super) fn metal(reflectance: Colour, alpha: Option<f32>) -> Surface {
     }
 }
 
-/// A diffuse base under a coat, both scaled so that together they reflect no more than they get. Metalness moves the
-/// base's colour to the coat.
+/// A diffuse base under a coat, whose reflectances are both shares of all light, as MTL has them: scaled so that together they
+/// are no more than 1. Metalness moves the base's colour to the coat.
 pub(super) fn coated(base: Colour, coat: Colour, metallic: f32, alpha: f32) -> Surface {
-    let specular = Colour { factor: coat.factor.lerp(base.factor, metallic), ..coat };
-    let diffuse = Colour { factor: base.factor * (1.0 - metallic), ..base };
+    let (diffuse, specular) = parted(base, coat, metallic);
     let scale = 1.0 / (diffuse.factor + specular.factor).max_element().max(1.0);
     let scaled = |colour: Colour| Colour { factor: colour.factor * scale, ..colour };
     Surface::Coated { diffuse: scaled(diffuse), specular: scaled(specular), alpha }
+}
+
+/// What of the base's colour stays below the coat, and what metalness moves to it.
+fn parted(base: Colour, coat: Colour, metallic: f32) -> (Colour, Colour) {
+    let specular = Colour { factor: coat.factor.lerp(base.factor, metallic), ..coat };
+    (Colour { factor: base.factor * (1.0 - metallic), ..base }, specular)
 }
 
 /// At most 1.
@@ -130,6 +137,14 @@ mod tests {
         for surface in surfaces {
             assert_eq!(format!("{:?}", Look::of(&surface).surface()), format!("{surface:?}"));
         }
+    }
+
+    #[test]
+    fn a_base_keeps_its_colour_below_a_coat() {
+        let mut look = Look::of(&Surface::Diffuse { reflectance: Colour::constant(Vec3::ONE) });
+        look.alpha = Some(0.25);
+        let Surface::Coated { diffuse, specular, .. } = look.surface() else { panic!("no coat") };
+        assert_eq!((diffuse.factor, specular.factor), (Vec3::ONE, Vec3::splat(COMMON_COAT)));
     }
 
     #[test]
