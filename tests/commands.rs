@@ -460,6 +460,8 @@ fn checkpoints_keep_samples_until_the_picture_is_there() {
     let with = workplace.bytes("a.exr");
     workplace.must(render);
     assert_eq!(workplace.bytes("a.exr"), with, "the picture does not depend on it");
+    workplace.write("a.partial.exr", "another's");
     let run = workplace.must(&format!("{render} --checkpoint 1h --verbose"));
     assert!(!run.stderr().contains("are kept"));
+    assert_eq!(workplace.bytes("a.partial.exr"), b"another's", "what it has not written it leaves alone");
 }

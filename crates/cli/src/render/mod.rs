@@ -54,8 +54,8 @@ pub fn run(args: &RenderArgs, matches: &ArgMatches) -> Result<Verdict> {
         let finished = Finished::nothing_new(film.into_stack());
         return say_that_nothing_is_missing(args, &outputs, &plan, (begun, &finished), &view, &progress);
     }
-    let stem = args.stem();
-    let preview = args.tev.as_ref().map(|address| Preview::open(address, &stem, plan.window.size)).transpose()?;
+    let preview =
+        args.tev.as_ref().map(|address| Preview::open(address, &args.stem(), plan.window.size)).transpose()?;
     let write = |stack: &FeatureStack| keep(stack, &outputs, &plan, &shown);
     let checkpoint = args.checkpoint.map(|every| Checkpoint::new(partial_path(&outputs), every, &write));
     let sampling = Sampling {
@@ -68,6 +68,11 @@ pub fn run(args: &RenderArgs, matches: &ArgMatches) -> Result<Verdict> {
     };
     let finished = trace_adaptively(&sampling, film, &plan.budget, plan.reconstruct)?;
     progress.finish();
+    if finished.interrupted {
+        write(&finished.stack)?;
+        say_where_it_is_kept(args, &outputs, &finished.stack, &progress);
+        return Ok(Verdict::Interrupted);
+    }
     let picture = finished.picture();
     let (header, carried) = (header(&plan, &shown, &finished.stack.samples), Carried::default());
     let written = Written {
@@ -77,13 +82,11 @@ pub fn run(args: &RenderArgs, matches: &ArgMatches) -> Result<Verdict> {
         header: &header,
         carried: &carried,
     };
-    if finished.interrupted {
-        return keep_partial(args, &outputs, &written, &progress);
-    }
     let writing = Instant::now();
     outputs.write(&written, &progress)?;
-    begun.iter().for_each(|begun| begun.clear_away(&progress));
-    checkpoint.iter().for_each(|checkpoint| checkpoint.clear_away(&progress));
+    if begun.is_some_and(|begun| begun.is_partial()) || checkpoint.is_some_and(|checkpoint| checkpoint.is_written()) {
+        clear_away(&partial_path(&outputs), &progress);
+    }
     let clock = report::Clock {
         load: view.load_seconds,
         build: view.build_seconds,
@@ -152,7 +155,7 @@ fn partial_path(outputs: &Outputs) -> PathBuf {
     named.map_or_else(|| PathBuf::from("picture.partial.exr"), |file| file.with_extension("partial.exr"))
 }
 
-/// Keeps the samples of a render that goes on.
+/// Keeps the samples of a render that is not finished.
 fn keep(stack: &FeatureStack, outputs: &Outputs, plan: &Plan, shown: &Value) -> Result<()> {
     let (picture, carried) = (stack.beauty(), Carried::default());
     let header = header(plan, shown, &stack.samples);
@@ -160,19 +163,22 @@ fn keep(stack: &FeatureStack, outputs: &Outputs, plan: &Plan, shown: &Value) -> 
     outputs.write_partial(&partial_path(outputs), &written)
 }
 
-fn keep_partial(args: &RenderArgs, outputs: &Outputs, written: &Written<'_>, progress: &Progress) -> Result<Verdict> {
+/// Removes what was kept of a render that is finished.
+fn clear_away(file: &Path, progress: &Progress) {
+    if let Err(error) = std::fs::remove_file(file) {
+        progress.say(&format!("{} is of no more use, but cannot be removed: {error}", file.display()));
+    }
+}
+
+fn say_where_it_is_kept(args: &RenderArgs, outputs: &Outputs, stack: &FeatureStack, progress: &Progress) {
     let path = partial_path(outputs);
-    let noisy = written.stack.beauty();
-    let kept = Written { picture: &noisy, reconstruction: None, ..*written };
-    outputs.write_partial(&path, &kept)?;
-    let (mean, ..) = written.stack.samples.mean_min_max();
+    let (mean, ..) = stack.samples.mean_min_max();
     progress.say(&format!(
         "interrupted at {mean:.1} spp; kept in {} (tamis denoise {} -o {}; or go on with --resume)",
         path.display(),
         path.display(),
         first_name(outputs, &args.scene)
     ));
-    Ok(Verdict::Interrupted)
 }
 
 fn first_name(outputs: &Outputs, scene: &Path) -> String {

@@ -68,13 +68,9 @@ impl Begun {
         Ok(read_picture(&self.file)?)
     }
 
-    /// Removes what an interrupted run left, once its samples are in the finished output.
-    pub fn clear_away(&self, progress: &Progress) {
-        if self.is_partial
-            && let Err(error) = std::fs::remove_file(&self.file)
-        {
-            progress.say(&format!("{} is of no more use, but cannot be removed: {error}", self.file.display()));
-        }
+    /// Whether an interrupted run left it.
+    pub const fn is_partial(&self) -> bool {
+        self.is_partial
     }
 }
 

@@ -34,6 +34,27 @@ struct Images<'a> {
     folder: &'a Path,
     /// Files that are not on disk, by name.
     held: HashMap<String, Vec<u8>>,
+    /// The last one that was decoded: roughness and metalness often share an image, and so do colour and opacity.
+    last: Option<(PathBuf, DynamicImage)>,
+}
+
+impl Images<'_> {
+    /// What tells the image that `name` means from others.
+    fn key(&self, name: &str) -> Result<PathBuf, String> {
+        if self.held.contains_key(name) {
+            return Ok(name.into());
+        }
+        find_file(self.folder, name).ok_or_else(|| format!("texture '{name}' is missing"))
+    }
+
+    /// The image called `name` whose key is `file`.
+    fn decoded(&mut self, name: &str, file: &Path) -> Result<&DynamicImage, String> {
+        let image = match self.last.take() {
+            Some((before, image)) if before == file => image,
+            _ => self.held.get(name).map_or_else(|| decode(file), |bytes| decode_bytes(bytes))?,
+        };
+        Ok(&self.last.insert((file.into(), image)).1)
+    }
 }
 
 /// How normals are read from an image.
@@ -59,7 +80,7 @@ enum Numbers {
 impl<'a> TextureFiles<'a> {
     /// Reads images named by files in `folder`.
     pub(in super::super) fn new(folder: &'a Path) -> Self {
-        let images = Images { folder, held: HashMap::new() };
+        let images = Images { folder, held: HashMap::new(), last: None };
         Self { images, colours: HashMap::new(), normals: HashMap::new(), greys: HashMap::new() }
     }
 
@@ -83,7 +104,7 @@ impl<'a> TextureFiles<'a> {
     /// # Errors
     /// In words, why there are none.
     pub(in super::super) fn colours(&mut self, texture: &TextureUse) -> Result<Arc<Texture>, String> {
-        made(&self.images, texture, (), &mut self.colours, |image| Ok(linear_rgb(image)))
+        made(&mut self.images, texture, (), &mut self.colours, |image| Ok(linear_rgb(image)))
     }
 
     /// The normals of a normal map.
@@ -92,7 +113,7 @@ impl<'a> TextureFiles<'a> {
     /// In words, why there is none.
     pub(in super::super) fn normals(&mut self, texture: &TextureUse) -> Result<Arc<Texture>, String> {
         let relief = Relief::Normals(texture.strength.to_bits());
-        made(&self.images, texture, relief, &mut self.normals, |image| {
+        made(&mut self.images, texture, relief, &mut self.normals, |image| {
             let (size, mut pixels) = plain_rgb(image);
             steeper(&mut pixels, texture.strength);
             Ok((size, pixels))
@@ -105,7 +126,7 @@ impl<'a> TextureFiles<'a> {
     /// In words, why there are none.
     pub(in super::super) fn bumps(&mut self, texture: &TextureUse) -> Result<Arc<Texture>, String> {
         let relief = Relief::Heights(texture.strength.to_bits());
-        made(&self.images, texture, relief, &mut self.normals, |image| {
+        made(&mut self.images, texture, relief, &mut self.normals, |image| {
             let (size, pixels) = plain_rgb(image);
             if is_normal_map(&pixels) {
                 return Ok((size, pixels));
@@ -121,7 +142,9 @@ impl<'a> TextureFiles<'a> {
     /// In words, why there are none.
     pub(in super::super) fn greys(&mut self, texture: &TextureUse, usual: Channel) -> Result<Arc<GreyTexture>, String> {
         let channel = texture.channel.unwrap_or(usual);
-        made(&self.images, texture, Numbers::Plain(channel), &mut self.greys, |image| Ok(channel_of(image, channel)))
+        made(&mut self.images, texture, Numbers::Plain(channel), &mut self.greys, |image| {
+            Ok(channel_of(image, channel))
+        })
     }
 
     /// The alpha of an image, 1 where it has none; with a `cutoff`, 1 from that on and else 0.
@@ -133,7 +156,7 @@ impl<'a> TextureFiles<'a> {
         texture: &TextureUse,
         cutoff: Option<f32>,
     ) -> Result<Arc<GreyTexture>, String> {
-        made(&self.images, texture, Numbers::Alpha(cutoff.map(f32::to_bits)), &mut self.greys, |image| {
+        made(&mut self.images, texture, Numbers::Alpha(cutoff.map(f32::to_bits)), &mut self.greys, |image| {
             let (size, pixels) = plain_rgba(image);
             let there = |alpha: f32| cutoff.map_or(alpha, |cutoff| if alpha >= cutoff { 1.0 } else { 0.0 });
             Ok((size, pixels.into_iter().map(|[.., alpha]| there(alpha)).collect()))
@@ -153,7 +176,7 @@ impl<'a> TextureFiles<'a> {
     ) -> Result<Arc<GreyTexture>, String> {
         let channel = texture.channel.unwrap_or(Channel::Luminance);
         let kind = Numbers::Exponents(channel, exponent.to_bits());
-        made(&self.images, texture, kind, &mut self.greys, |image| {
+        made(&mut self.images, texture, kind, &mut self.greys, |image| {
             let (size, shares) = channel_of(image, channel);
             let roughness = |share: f32| (alpha(share.max(0.0) * exponent) / alpha(exponent)).sqrt();
             Ok((size, shares.into_iter().map(roughness).collect()))
@@ -163,26 +186,20 @@ impl<'a> TextureFiles<'a> {
 
 /// The texture `make` makes of the image that `texture` names, or the one it made before.
 fn made<K: Copy + Eq + Hash, T: Texel>(
-    images: &Images,
+    images: &mut Images,
     texture: &TextureUse,
     kind: K,
     before: &mut Made<K, T>,
     make: impl FnOnce(&DynamicImage) -> Result<([usize; 2], Vec<T>), String>,
 ) -> Result<Arc<Raster<T>>, String> {
-    let held = images.held.get(&texture.file);
-    let file = match held {
-        Some(_) => PathBuf::from(&texture.file),
-        None => {
-            find_file(images.folder, &texture.file).ok_or_else(|| format!("texture '{}' is missing", texture.file))?
-        }
-    };
+    let file = images.key(&texture.file)?;
     let ([a, b, c, d], [x, y]) = (texture.map.to_cols_array(), texture.offset.to_array());
     let layout = ([a, b, c, d, x, y].map(f32::to_bits), texture.wrap);
     let key = (file.clone(), layout, kind);
     if let Some(texture) = before.get(&key) {
         return Ok(texture.clone());
     }
-    let image = held.map_or_else(|| decode(&file), |bytes| decode_bytes(bytes)).and_then(|image| make(&image));
+    let image = images.decoded(&texture.file, &file).and_then(make);
     let ([width, height], texels) = image.map_err(|e| format!("texture '{}' cannot be read: {e}", texture.file))?;
     let texture =
         Raster { map: texture.map, offset: texture.offset, wrap: texture.wrap, ..Raster::new(width, height, texels) };
