@@ -12,8 +12,12 @@ const MEDIAN: [f32; 2] = [0.12, 0.25];
 /// leave traces of light.
 const BACKGROUND: f32 = 1e-3;
 
+/// A value that more than this share of the pixels has to the last bit is background, too: a sky that is the same everywhere.
+const UNIFORM: f64 = 0.05;
+
 /// Stops by which `picture` should be lifted to fill an 8-bit range: all but the brightest 3 % of its pixels stay below
-/// white, as long as that leaves its median at a middle grey. Black background does not count. 0 for a black picture.
+/// white, as long as that leaves its median at a middle grey. Black background and that of one colour do not count. 0 for a
+/// black picture.
 pub fn choose(picture: &Image) -> f32 {
     let mut luminance: Vec<f32> = (0..picture.pixels())
         .map(|pixel| picture.mean_at(pixel))
@@ -24,10 +28,18 @@ pub fn choose(picture: &Image) -> f32 {
     }
     luminance.sort_by(f32::total_cmp);
     let background = BACKGROUND * quantile(&luminance, 1.0 - CLIPPED);
-    let lit = &luminance[luminance.partition_point(|&value| value < background)..];
-    let (bright, median) = (quantile(lit, 1.0 - CLIPPED), quantile(lit, 0.5));
+    let lit = without_uniform(&luminance[luminance.partition_point(|&value| value < background)..]);
+    let (bright, median) = (quantile(&lit, 1.0 - CLIPPED), quantile(&lit, 0.5));
     let factor = (1.0 / bright).clamp(MEDIAN[0] / median, MEDIAN[1] / median);
     (factor.log2() * 10.0).round() / 10.0
+}
+
+/// The `sorted` values without those of a background of one colour, unless there is nothing else.
+fn without_uniform(sorted: &[f32]) -> Vec<f32> {
+    let many = UNIFORM * sorted.len() as f64;
+    let others = sorted.chunk_by(|a, b| a == b).filter(|alike| alike.len() as f64 <= many);
+    let others: Vec<f32> = others.flatten().copied().collect();
+    if others.is_empty() { sorted.to_vec() } else { others }
 }
 
 /// The value that the share `share` of the `sorted` ones, of which there are some, does not exceed.
@@ -68,6 +80,15 @@ mod tests {
         let lit: Vec<f32> = (1..=20).map(|i| i as f32 / 20.0).collect();
         let traces = (0..80).map(|i| if i % 2 == 0 { 0.0 } else { 1e-9 * i as f32 });
         assert_eq!(of(lit.iter().copied().chain(traces).collect()), of(lit));
+    }
+
+    #[test]
+    fn a_sky_of_one_colour_does_not_count() {
+        let of = |values: Vec<f32>| choose(&Image::from_channels(Size::new(values.len(), 1), vec![values; 3]));
+        let object: Vec<f32> = (1..=100).map(|i| i as f32 / 1000.0).collect();
+        let before_a_sky = object.iter().copied().chain(vec![0.7; 300]).collect();
+        assert_eq!(of(before_a_sky), of(object));
+        assert_eq!(of(vec![0.7; 300]), -1.5, "nothing but sky");
     }
 
     #[test]
