@@ -15,7 +15,8 @@ mod roughness;
 
 use std::borrow::Cow;
 
-use stack::{Component, Estimate, Feature, FeatureRole, FeatureStack, Image, Monitor, Noise};
+use rayon::prelude::*;
+use stack::{Component, Estimate, Feature, FeatureRole, FeatureStack, Image, Monitor, Noise, SampleCounts};
 
 use crate::lack::Lack;
 use crate::prefilter::{PrefilterError, check};
@@ -69,6 +70,7 @@ pub fn complete<'a>(
 ) -> Result<Completed<'a>, PrefilterError> {
     monitor.begin("completion", 1);
     let mut completed = Completed { stack, lacks: Vec::new() };
+    completed.forget_lone_samples();
     if completed.stack.features.is_empty() {
         completed.lacks.push(Lack::FEATURES);
     }
@@ -88,6 +90,25 @@ pub fn complete<'a>(
 }
 
 impl Completed<'_> {
+    /// Buckets of which most pixels have but one with samples say nothing about noise, as in a render of one sample a pixel.
+    fn forget_lone_samples(&mut self) {
+        let of_features = self.stack.features.iter().map(|feature| &feature.estimate);
+        let estimates = self.stack.components.iter().map(|component| &component.radiance).chain(of_features);
+        let mut lone: Vec<usize> = estimates.filter_map(buckets).collect();
+        lone.sort_unstable();
+        lone.dedup();
+        lone.retain(|buckets| are_lone(&self.stack.samples, *buckets));
+        if lone.is_empty() {
+            return;
+        }
+        let stack = self.stack.to_mut();
+        let of_features = stack.features.iter_mut().map(|feature| &mut feature.estimate);
+        let estimates = stack.components.iter_mut().map(|component| &mut component.radiance).chain(of_features);
+        for estimate in estimates.filter(|estimate| buckets(estimate).is_some_and(|buckets| lone.contains(&buckets))) {
+            estimate.noise = Noise::Unknown;
+        }
+    }
+
     /// Where no albedo tells textures, the picture itself does, freed of noise.
     fn add_picture(&mut self, settings: &CompletionSettings) {
         let everywhere = vec![true; self.stack.size().pixels()];
@@ -185,6 +206,18 @@ impl Completed<'_> {
         }
         Ok(())
     }
+}
+
+/// How many buckets it comes in, if it does.
+fn buckets(estimate: &Estimate) -> Option<usize> {
+    if let Noise::Buckets(buckets) = &estimate.noise { Some(buckets.len()) } else { None }
+}
+
+/// Whether most pixels have samples in no more than one of so many `buckets`.
+fn are_lone(counts: &SampleCounts, buckets: usize) -> bool {
+    let grouped = counts.grouped(buckets);
+    let is_lone = |pixel: &usize| (0..buckets).filter(|bucket| grouped.of(*pixel, *bucket) > 0).count() < 2;
+    2 * (0..counts.total.len()).into_par_iter().filter(is_lone).count() > counts.total.len()
 }
 
 /// Gives `image` the values of `other` where there are `marks`.

@@ -46,6 +46,28 @@ fn a_stack_that_lacks_nothing_stays() {
 }
 
 #[test]
+fn one_sample_a_pixel_says_nothing_about_noise() {
+    let clean = walls(SIZE);
+    let mut noise = TestNoise(12);
+    let mut stack = stack_of(&clean, 12);
+    let mut buckets = vec![flat(SIZE, 0.0); 8];
+    buckets[0] = with_noise(&clean, 0.2, &mut noise);
+    let numbered = |total: u32| SampleCounts {
+        first: 0,
+        total: vec![total; SIZE.pixels()],
+        dealing: Dealing::Numbered { sequences: 8, buckets: 8 },
+    };
+    stack.samples = numbered(1);
+    stack.components[0].radiance = Estimate::from_buckets(buckets, &stack.samples);
+    assert!(completed(&stack).lacks.contains(&Lack::NOISE));
+    let noisy = stack.components[0].radiance.mean.clone();
+    let [before, after] = [&noisy, &run(&stack).picture].map(|picture| error(picture, &clean));
+    assert!(after < 0.2 * before, "{after} of {before}");
+    stack.samples = numbered(2);
+    assert!(!completed(&stack).lacks.contains(&Lack::NOISE));
+}
+
+#[test]
 fn every_lack_is_told() {
     let rich = stack_of(&walls(SIZE), 2);
     assert_eq!(completed(&rich).lacks, [Lack::PLACE]);
