@@ -8,7 +8,7 @@ use crate::best::{Chooser, Extras, GuideFeatures, Workshop};
 use crate::components::{is_lit, variance_of};
 use crate::emission::rebuild_emission;
 use crate::exposure::Exposed;
-use crate::indirect::IndirectLight;
+use crate::indirect::Light;
 use crate::reconstruction::{ReconstructError, Reconstruction};
 use crate::{Settings, best};
 
@@ -37,16 +37,11 @@ impl<'a> Collaborative<'a> {
         Ok(Self { workshop, settings, exposure })
     }
 
-    /// A component by itself, or, where its direct light has little noise, direct and `indirect` light by themselves.
+    /// A component by itself, or direct and indirect light by themselves.
     ///
     /// # Errors
     /// When the component's noise does not come in buckets, or `monitor` cancels.
-    pub fn rebuilt(
-        &self,
-        component: Cow<'_, Component>,
-        indirect: Option<IndirectLight>,
-        monitor: &dyn Monitor,
-    ) -> Result<Reconstruction, ReconstructError> {
+    pub fn rebuilt(&self, light: Light, monitor: &dyn Monitor) -> Result<Reconstruction, ReconstructError> {
         let Self { workshop, exposure, .. } = *self;
         let passes: Cow<[Image]> = match exposure {
             1.0 => Cow::Borrowed(workshop.extras.passes),
@@ -54,28 +49,23 @@ impl<'a> Collaborative<'a> {
         };
         let extras = Extras { passes: &passes, ..workshop.extras };
         let bright = Collaborative { workshop: Workshop { extras, ..workshop }, ..*self };
-        let rebuilt = match indirect.filter(|indirect| self.is_known_apart(indirect, &component)) {
-            None => bright.rebuilt_whole(component.exposed(exposure), monitor),
-            Some(indirect) => bright.with_indirect(indirect, component, monitor),
+        let rebuilt = match light {
+            Light::Whole(component) => bright.rebuilt_whole(component.exposed(exposure), monitor),
+            Light::Apart { parts, share } => {
+                bright.rebuilt_apart(parts.map(|part| part.exposed(exposure)), share, monitor)
+            }
         };
         Ok(rebuilt?.exposed(1.0 / exposure))
     }
 
-    /// A component whose `indirect` light is known.
-    fn with_indirect(
+    /// Direct light, which has this `share` of the noise, and then indirect light.
+    fn rebuilt_apart(
         &self,
-        indirect: IndirectLight,
-        component: Cow<'_, Component>,
+        [direct, indirect]: [Component; 2],
+        share: f32,
         monitor: &dyn Monitor,
     ) -> Result<Reconstruction, ReconstructError> {
-        let Self { workshop: Workshop { stack, features, settings, .. }, exposure, .. } = *self;
-        let share = || indirect.direct_share_of_noise(&component.radiance, &stack.samples, exposure);
-        let little = settings.light.apart.then(share).filter(|share| *share < settings.light.direct_noise);
-        let Some(share) = little else {
-            return self.rebuilt_whole(indirect.within(component).exposed(exposure), monitor);
-        };
-        let parts = indirect.parts(component.into_owned());
-        let [direct, indirect] = parts.map(|part| part.exposed(exposure));
+        let Workshop { stack, features, settings, .. } = self.workshop;
         let mut sum = Reconstruction::plain(Image::zeros(stack.size(), 3));
         if is_lit(&direct) {
             let settings = settings.for_direct_light(share);
@@ -91,11 +81,6 @@ impl<'a> Collaborative<'a> {
         Ok(sum)
     }
 
-    /// Whether `indirect` light can be told from the rest. Passes need the weights of the whole as it was found.
-    fn is_known_apart(&self, indirect: &IndirectLight, component: &Component) -> bool {
-        self.workshop.extras.passes.is_empty() && indirect.is_part_of(&component.radiance)
-    }
-
     fn rebuilt_whole(
         &self,
         component: Cow<'_, Component>,
@@ -105,8 +90,13 @@ impl<'a> Collaborative<'a> {
         if component.role == ComponentRole::Scattered {
             return self.workshop.rebuild(component, monitor);
         }
-        let (radiance, variance) = (&component.radiance.mean, variance_of(stack, &component)?);
-        let mut rebuilt = rebuild_emission(radiance, &variance, &features.set, self.settings, monitor)?;
+        let variance = variance_of(stack, &component)?;
+        // Its buckets are not needed any more.
+        let radiance = match component {
+            Cow::Owned(component) => Cow::Owned(component.radiance.mean),
+            Cow::Borrowed(component) => Cow::Borrowed(&component.radiance.mean),
+        };
+        let mut rebuilt = rebuild_emission(&radiance, &variance, &features.set, self.settings, monitor)?;
         best::share_unseen(&mut rebuilt.mse, &variance);
         Ok(rebuilt)
     }

@@ -6,6 +6,7 @@ use std::borrow::Cow;
 use rayon::prelude::*;
 use stack::{Component, Estimate, FeatureStack, Image, Noise, SampleCounts};
 
+use crate::best::LightSettings;
 use crate::best::halves::luminance;
 use crate::box_filter::box_mean;
 use crate::exposure::Exposed;
@@ -16,6 +17,19 @@ pub fn is_part_of(indirect: &Estimate, whole: &Estimate) -> bool {
         (Noise::Buckets(indirect), Noise::Buckets(whole)) => indirect.len() == whole.len(),
         _ => false,
     }
+}
+
+/// A component as it is rebuilt.
+pub enum Light<'a> {
+    /// All at once.
+    Whole(Cow<'a, Component>),
+    /// Direct and indirect light by themselves.
+    Apart {
+        /// Both, direct light first.
+        parts: [Component; 2],
+        /// The share of the noise that is direct light's.
+        share: f32,
+    },
 }
 
 /// Indirect light of a component.
@@ -37,6 +51,25 @@ impl<'a> IndirectLight<'a> {
     pub fn taken_from(stack: &mut FeatureStack, wanted: bool) -> Option<Self> {
         let gathered = stack.gathered.take().filter(|_| wanted).map(Cow::Owned);
         Some(Self { found: Cow::Owned(stack.indirect.take()?), gathered })
+    }
+
+    /// `whole` taken apart where that is better, or with this light as it is best known. Noise is compared in light made
+    /// `exposure` times as bright.
+    pub fn of_whole<'b>(
+        self,
+        whole: Cow<'b, Component>,
+        counts: &SampleCounts,
+        settings: &LightSettings,
+        exposure: f32,
+    ) -> Light<'b> {
+        if !self.is_part_of(&whole.radiance) {
+            return Light::Whole(whole);
+        }
+        let share = || self.direct_share_of_noise(&whole.radiance, counts, exposure);
+        match settings.apart.then(share).filter(|share| *share < settings.direct_noise) {
+            Some(share) => Light::Apart { parts: self.parts(whole.into_owned()), share },
+            None => Light::Whole(self.within(whole)),
+        }
     }
 
     /// Whether it can be taken off `whole`.

@@ -10,7 +10,7 @@ use crate::completion::{Completed, complete};
 use crate::components::{is_lit, sum_of_components, variance_of};
 use crate::emission::{rebuild_emission, with_emission_apart};
 use crate::exposure::exposure;
-use crate::indirect::IndirectLight;
+use crate::indirect::{IndirectLight, Light};
 use crate::method::Method;
 use crate::network::WeightsError;
 use crate::prefilter::{FeatureSet, prefilter};
@@ -109,22 +109,41 @@ fn freeing(
     extras: Extras,
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
-    let features = best::guide_features(&stack, &settings.best, monitor)?;
-    stack.features.clear();
-    let mut components = std::mem::take(&mut stack.components);
-    let mut indirect = IndirectLight::taken_from(&mut stack, settings.best.light.gathered);
-    let chooser = chooser(settings)?;
+    let components = std::mem::take(&mut stack.components);
     let exposure = exposure(&components, &settings.best.light);
+    let mut indirect = IndirectLight::taken_from(&mut stack, settings.best.light.gathered);
+    // Taken apart before anything is made of it: the parts are less than what they are made from.
+    let mut lights = Vec::new();
+    for component in components.into_iter().filter(is_lit) {
+        let indirect = if component.role == ComponentRole::Scattered { indirect.take() } else { None };
+        lights.push(light(Cow::Owned(component), indirect, &stack, settings, extras, exposure));
+    }
+    drop(indirect);
+    let features = best::guide_features_freeing(&mut stack, &settings.best, monitor)?;
+    let chooser = chooser(settings)?;
     let task = Collaborative::new(&stack, &features, settings, chooser.as_ref(), extras, exposure)?;
     let mut sum = Reconstruction::plain(Image::zeros(stack.size(), 3));
     // The last first: emission is soon done with.
-    while let Some(component) = components.pop() {
-        if is_lit(&component) {
-            let indirect = if component.role == ComponentRole::Scattered { indirect.take() } else { None };
-            sum.add(task.rebuilt(Cow::Owned(component), indirect, monitor)?);
-        }
+    while let Some(light) = lights.pop() {
+        sum.add(task.rebuilt(light, monitor)?);
     }
     Ok(sum)
+}
+
+/// How `component` is rebuilt, of which there may be `indirect` light. Passes need the weights of the whole as it was found.
+fn light<'a>(
+    component: Cow<'a, Component>,
+    indirect: Option<IndirectLight>,
+    stack: &FeatureStack,
+    settings: &Settings,
+    extras: Extras,
+    exposure: f32,
+) -> Light<'a> {
+    let is_scattered = component.role == ComponentRole::Scattered;
+    match indirect.filter(|_| is_scattered && extras.passes.is_empty()) {
+        Some(indirect) => indirect.of_whole(component, &stack.samples, &settings.best.light, exposure),
+        None => Light::Whole(component),
+    }
 }
 
 /// The paper's method.
@@ -159,9 +178,8 @@ fn collaborative(
     let exposure = exposure(&stack.components, &settings.best.light);
     let task = Collaborative::new(stack, &features, settings, chooser, extras, exposure)?;
     sum_of_components(stack.size(), &stack.components, |component| {
-        let is_scattered = component.role == ComponentRole::Scattered;
-        let indirect = IndirectLight::of(stack, settings.best.light.gathered).filter(|_| is_scattered);
-        task.rebuilt(Cow::Borrowed(component), indirect, monitor)
+        let indirect = IndirectLight::of(stack, settings.best.light.gathered);
+        task.rebuilt(light(Cow::Borrowed(component), indirect, stack, settings, extras, exposure), monitor)
     })
 }
 

@@ -3,6 +3,8 @@
 //! are those that tell where paths go on from the feature hit: how near the next surface lies, and whether light reaches it.
 //! In corners and under tables they say what indirect light does, where nothing else changes.
 
+use std::borrow::Cow;
+
 use stack::{Cancelled, Feature, Image, Monitor, SampleCounts};
 
 use super::crossed::Crossed;
@@ -44,7 +46,7 @@ impl Rebuilding {
 /// # Errors
 /// When `monitor` cancels.
 pub fn rebuilt_by_others(
-    noisy: &[&Feature],
+    noisy: &[Cow<Feature>],
     others: &FeatureSet,
     counts: &SampleCounts,
     how: Rebuilding,
@@ -74,7 +76,7 @@ pub fn rebuilt_by_others(
     Ok(fitted.next().zip(fitted.next()).map(|(a, b)| mean_of(&[a, b]).into_channels()))
 }
 
-/// Both halves of a feature on its natural scale, and their variance.
+/// Both halves of a feature on its natural scale, and the variance of a half: twice that of their mean.
 struct Noisy {
     halves: [Vec<Vec<f32>>; 2],
     variances: Vec<Vec<f32>>,
@@ -85,7 +87,8 @@ impl Noisy {
         let scale = natural_scale(feature.role);
         let mut halves = normalised_halves(feature, counts)?;
         halves.iter_mut().flatten().flatten().for_each(|v| *v *= scale);
-        let variance = normalised(feature, counts, VarianceSource::Buckets).variance?;
+        let mut variance = normalised(feature, counts, VarianceSource::Buckets).variance?;
+        variance.channels_mut().iter_mut().flatten().for_each(|v| *v *= 2.0);
         Some(Self { halves, variances: natural_variances(&variance, scale, &settings.features)? })
     }
 }

@@ -8,40 +8,53 @@ use stack::{Cancelled, Image, Monitor, SampleCounts, planes_of_zeros};
 use super::guided_kernel::Taps;
 use super::halves::luminance;
 use super::settings::CascadeSettings;
-use crate::per_pixel::planes_by_eight;
+use crate::per_pixel::{plane, planes_by_eight};
 pub use parting::{MOST_PARTS, relative_to};
 use parting::{Parting, Residuals};
 
-/// Independent parts of a picture, at most [`MOST_PARTS`].
+/// Independent parts of a picture, at most [`MOST_PARTS`]: details are judged by luminance, so that colours of their mean
+/// are all that is kept of colour.
 pub struct Parts {
-    images: Vec<Image>,
+    luminances: Vec<Vec<f32>>,
     /// The share of each in the mean of every pixel.
     shares: Vec<Vec<f32>>,
+    /// That mean, three planes.
+    mean: Vec<Vec<f32>>,
 }
 
 impl Parts {
     /// How many there are.
     pub fn count(&self) -> usize {
-        self.images.len()
+        self.luminances.len()
     }
 
     /// `images` as they come from [`stack::Estimate::groups`].
     pub fn new(images: Vec<Image>, counts: &SampleCounts) -> Self {
         let pixels = images.first().map_or(0, Image::pixels);
         let shares = group_shares(counts, pixels, images.len());
-        Self { images, shares }
+        Self::of(&images, shares)
+    }
+
+    fn of(images: &[Image], shares: Vec<Vec<f32>>) -> Self {
+        let mut mean = planes_of_zeros(images.first().map_or(0, Image::pixels), 3);
+        mean.par_iter_mut().enumerate().for_each(|(c, mean)| {
+            for (image, shares) in images.iter().zip(&shares) {
+                let values = image.channels()[c].iter().zip(shares);
+                mean.iter_mut().zip(values).for_each(|(mean, (value, share))| *mean += share * value);
+            }
+        });
+        Self { luminances: images.par_iter().map(luminance).collect(), shares, mean }
     }
 
     /// Two images whose sum is the picture.
     pub fn adding_up(mut images: [Image; 2]) -> Self {
         images.iter_mut().flat_map(Image::channels_mut).flatten().for_each(|v| *v *= 2.0);
-        Self::halves(images)
+        Self::halves(&images)
     }
 
     /// Two images whose mean is the picture.
-    pub fn halves(images: [Image; 2]) -> Self {
-        let shares = vec![vec![0.5; images[0].pixels()]; 2];
-        Self { images: images.to_vec(), shares }
+    pub fn halves(images: &[Image; 2]) -> Self {
+        Self::of(images, vec![vec![0.5; images[0].pixels()]; 2])
     }
 }
 
@@ -85,8 +98,7 @@ pub fn add_significant_residual(
     monitor: &dyn Monitor,
 ) -> Result<(), Cancelled> {
     monitor.begin("cascade", scrutiny.levels as u64);
-    let Parts { images, shares } = parts;
-    let mut residual = residuals(images, &shares, picture);
+    let (mut residual, shares) = residuals(parts, picture);
     let parting = Parting::new(shares, relative, scrutiny.significance);
     let mut found = planes_of_zeros(picture.pixels(), 3);
     let (mut taps, mut next) = (taps_of(1), taps_of(2));
@@ -98,10 +110,12 @@ pub fn add_significant_residual(
         // Weighed once for three levels, and never more than two at a time: taps take more memory than anything else.
         if level < scrutiny.trusted {
             add_difference(&mut found, &residual[parting.parts()..], &coarse[parting.parts()..]);
+            residual = coarse;
             taps = next;
             next = taps_of(4 << level);
         } else {
             let mut detail = Detail::new(&parting, &residual, &coarse);
+            residual = coarse;
             detail.smooth(&taps);
             taps = next;
             detail.smooth(&taps);
@@ -109,7 +123,6 @@ pub fn add_significant_residual(
             detail.smooth(&next);
             detail.add_significant(scrutiny.gain, &mut found);
         }
-        residual = coarse;
         monitor.advance(1);
     }
     let rest = &residual[parting.parts()..];
@@ -133,22 +146,24 @@ fn group_shares(counts: &SampleCounts, pixels: usize, groups: usize) -> Vec<Vec<
     (0..groups).into_par_iter().map(|group| (0..pixels).map(|pixel| share(pixel, group)).collect()).collect()
 }
 
-/// What the mean of each part has more than that of `picture`, then the same of their mean in every channel.
-fn residuals(parts: Vec<Image>, shares: &[Vec<f32>], picture: &Image) -> Vec<Vec<f32>> {
-    let mut mean = planes_of_zeros(picture.pixels(), 3);
-    mean.par_iter_mut().zip(picture.channels()).enumerate().for_each(|(c, (mean, plane))| {
-        for (part, shares) in parts.iter().zip(shares) {
-            let values = part.channels()[c].iter().zip(plane).zip(shares);
-            mean.iter_mut().zip(values).for_each(|(mean, ((part, whole), share))| *mean += share * (part - whole));
-        }
+/// What the luminance of each part has more than that of `picture`, then the same of their mean in every channel; and the
+/// shares.
+fn residuals(parts: Parts, picture: &Image) -> (Vec<Vec<f32>>, Vec<Vec<f32>>) {
+    let Parts { mut luminances, shares, mut mean } = parts;
+    let known: Vec<f32> = plane(picture.pixels(), |pixel| shares.iter().map(|shares| shares[pixel]).sum());
+    mean.par_iter_mut().zip(picture.channels()).for_each(|(mean, whole)| {
+        mean.iter_mut().zip(whole).zip(&known).for_each(|((mean, whole), known)| *mean -= known * whole);
     });
     let whole = luminance(picture);
-    let excess = |part: Image| {
-        let mut excess = luminance(&part);
-        excess.iter_mut().zip(&whole).for_each(|(part, whole)| *part -= whole);
-        excess
-    };
-    parts.into_par_iter().map(excess).chain(mean).collect()
+    let of_mean = |pixel: usize| mean.iter().map(|plane| plane[pixel]).sum::<f32>() / 3.0;
+    luminances.par_iter_mut().zip(&shares).for_each(|(part, shares)| {
+        for (pixel, (part, whole)) in part.iter_mut().zip(&whole).enumerate() {
+            // A part without samples says nothing here, and its neighbours are not to hear of black.
+            *part = if shares[pixel] > 0.0 { *part - whole } else { of_mean(pixel) };
+        }
+    });
+    luminances.extend(mean);
+    (luminances, shares)
 }
 
 /// One scale of the residual.
@@ -164,7 +179,12 @@ struct Detail {
 impl Detail {
     /// What the residual `fine` has beyond `coarse`.
     fn new(parting: &Parting, fine: &[Vec<f32>], coarse: &[Vec<f32>]) -> Self {
-        let mut planes = planes_by_eight(fine[0].len(), &Residuals { parting, fine, coarse }).into_iter();
+        let (pixels, residuals) = (fine[0].len(), Residuals { parting, fine, coarse });
+        let planes = match parting.signals() {
+            1 => Vec::from(planes_by_eight::<5>(pixels, &residuals)),
+            _ => Vec::from(planes_by_eight::<{ 4 + MOST_PARTS }>(pixels, &residuals)),
+        };
+        let mut planes = planes.into_iter();
         Self {
             mean: planes.by_ref().take(3).collect(),
             square: planes.next().unwrap_or_default(),

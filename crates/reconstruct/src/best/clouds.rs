@@ -25,7 +25,7 @@ pub fn without_clouds(
     let scrutiny = Scrutiny { levels, trusted, significance, gain };
     let (mut clear, relative) = (Image::zeros(mean.size(), 3), relative_to(&mean));
     drop(mean);
-    add_significant_residual(&mut clear, Parts::halves(halves.clone()), relative, taps, scrutiny, monitor)?;
+    add_significant_residual(&mut clear, Parts::halves(halves), relative, taps, scrutiny, monitor)?;
     Ok(clear)
 }
 

@@ -55,7 +55,7 @@ impl Crossed<'_> {
             radius: settings.first_radius,
         };
         let kernel = Kernel { bandwidth: settings.first_bandwidth, sigma: f32::INFINITY };
-        monitor.begin(stage, units(self.size, settings.stride, settings.covered));
+        monitor.begin(stage, units(self.size, settings.stride));
         let predicted = collaborate(&fitted, &guides, &[kernel], monitor)?;
         Ok(predicted.into_iter().flatten().collect())
     }

@@ -1,5 +1,6 @@
 //! Features on natural scales, freed of noise by non-local means.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use rayon::prelude::*;
@@ -37,9 +38,9 @@ impl GuideFeatures {
     }
 
     /// Adds the `planes` of some features as a group.
-    fn add(&mut self, features: &[&Feature], planes: Vec<Vec<f32>>) {
+    fn add(&mut self, roles: &[FeatureRole], planes: Vec<Vec<f32>>) {
         let group = self.set.planes.len()..self.set.planes.len() + planes.len();
-        if features.iter().all(|feature| feature.role != FeatureRole::Visibility) {
+        if !roles.contains(&FeatureRole::Visibility) {
             self.surfaces.extend(group.clone());
         }
         self.set.groups.push(group);
@@ -49,26 +50,27 @@ impl GuideFeatures {
     /// Adds a group of `noisy` features, rebuilt by those there are, or filtered by themselves where they do not come in buckets.
     fn add_noisy(
         &mut self,
-        noisy: &[&Feature],
+        noisy: Vec<Cow<Feature>>,
         how: Rebuilding,
-        stack: &FeatureStack,
+        counts: &SampleCounts,
         settings: &BestSettings,
         monitor: &dyn Monitor,
     ) -> Result<(), PrefilterError> {
-        let by_others = match noisy {
+        let by_others = match &noisy[..] {
             [] => return Ok(()),
             _ if self.set.planes.is_empty() => None,
-            _ => rebuilt_by_others(noisy, &self.set, &stack.samples, how, settings, monitor)?,
+            noisy => rebuilt_by_others(noisy, &self.set, counts, how, settings, monitor)?,
         };
         let planes = match by_others {
             Some(planes) => planes,
             None => {
-                monitor.begin("prefilter", units(stack.size()) * noisy.len() as u64);
-                let filtered = |feature: &&Feature| filtered(feature, &stack.samples, &settings.features, monitor);
+                monitor.begin("prefilter", units(self.set.size) * noisy.len() as u64);
+                let filtered = |feature: &Cow<Feature>| filtered(feature, counts, &settings.features, monitor);
                 noisy.iter().map(filtered).collect::<Result<Vec<_>, _>>()?.concat()
             }
         };
-        self.add(noisy, planes);
+        let roles: Vec<FeatureRole> = noisy.iter().map(|feature| feature.role).collect();
+        self.add(&roles, planes);
         Ok(())
     }
 
@@ -88,25 +90,72 @@ pub fn guide_features(
     settings: &BestSettings,
     monitor: &dyn Monitor,
 ) -> Result<GuideFeatures, PrefilterError> {
-    let FeatureSettings { next, next_bandwidth, visibility_bandwidth, .. } = settings.features;
-    let is_noisy = |feature: &&Feature| feature.role == FeatureRole::Visibility && visibility_bandwidth > 0.0;
-    let (visibility, plain): (Vec<&Feature>, Vec<&Feature>) = guides(stack)?.into_iter().partition(is_noisy);
-    let set = FeatureSet { size: stack.size(), planes: Vec::new(), groups: Vec::new() };
-    let flat = stack.feature(FeatureRole::Normal).is_none() && !has_depth(stack);
-    let mut all = GuideFeatures { set, surfaces: Vec::new(), flat };
-    monitor.begin("prefilter", units(stack.size()) * plain.len() as u64);
-    for feature in plain {
-        all.add(&[feature], filtered(feature, &stack.samples, &settings.features, monitor)?);
+    let guiding = Guiding::of(stack)?;
+    guiding.filtered(stack.features.iter().map(Cow::Borrowed), &stack.samples, settings, monitor)
+}
+
+/// The same, but takes the features out of the `stack`: each is freed as soon as it is filtered.
+///
+/// # Errors
+/// As there.
+pub fn guide_features_freeing(
+    stack: &mut FeatureStack,
+    settings: &BestSettings,
+    monitor: &dyn Monitor,
+) -> Result<GuideFeatures, PrefilterError> {
+    let guiding = Guiding::of(stack)?;
+    let features = std::mem::take(&mut stack.features);
+    guiding.filtered(features.into_iter().map(Cow::Owned), &stack.samples, settings, monitor)
+}
+
+/// Which features of a stack guide.
+struct Guiding {
+    size: Size,
+    roles: Vec<FeatureRole>,
+    /// See [`GuideFeatures`].
+    flat: bool,
+}
+
+impl Guiding {
+    fn of(stack: &FeatureStack) -> Result<Self, PrefilterError> {
+        let next = stack.features.iter().filter(|feature| feature.role.is_of_next_surface());
+        next.into_iter().try_for_each(|feature| check(feature, stack.size()))?;
+        Ok(Self {
+            size: stack.size(),
+            roles: guides(stack)?.into_iter().map(|feature| feature.role).collect(),
+            flat: stack.feature(FeatureRole::Normal).is_none() && !has_depth(stack),
+        })
     }
-    all.add_noisy(&visibility, Rebuilding::visibility(visibility_bandwidth), stack, settings, monitor)?;
-    if next {
-        let next: Vec<&Feature> = stack.features.iter().filter(|feature| feature.role.is_of_next_surface()).collect();
-        for feature in &next {
-            check(feature, stack.size())?;
+
+    fn filtered<'a>(
+        self,
+        features: impl Iterator<Item = Cow<'a, Feature>>,
+        counts: &SampleCounts,
+        settings: &BestSettings,
+        monitor: &dyn Monitor,
+    ) -> Result<GuideFeatures, PrefilterError> {
+        let Self { size, roles, flat } = self;
+        let FeatureSettings { next, next_bandwidth, visibility_bandwidth, .. } = settings.features;
+        let is_noisy = |role| role == FeatureRole::Visibility && visibility_bandwidth > 0.0;
+        let (mut plain, mut of_visibility, mut of_next) = (Vec::new(), Vec::new(), Vec::new());
+        for feature in features {
+            match feature.role {
+                role if role.is_of_next_surface() => of_next.extend(next.then_some(feature)),
+                role if roles.contains(&role) && is_noisy(role) => of_visibility.push(feature),
+                role if roles.contains(&role) => plain.push(feature),
+                _ => {}
+            }
         }
-        all.add_noisy(&next, Rebuilding::next_surface(next_bandwidth), stack, settings, monitor)?;
+        let set = FeatureSet { size, planes: Vec::new(), groups: Vec::new() };
+        let mut all = GuideFeatures { set, surfaces: Vec::new(), flat };
+        monitor.begin("prefilter", units(size) * plain.len() as u64);
+        for feature in plain {
+            all.add(&[feature.role], filtered(&feature, counts, &settings.features, monitor)?);
+        }
+        all.add_noisy(of_visibility, Rebuilding::visibility(visibility_bandwidth), counts, settings, monitor)?;
+        all.add_noisy(of_next, Rebuilding::next_surface(next_bandwidth), counts, settings, monitor)?;
+        Ok(all)
     }
-    Ok(all)
 }
 
 fn filtered(

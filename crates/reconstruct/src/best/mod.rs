@@ -36,7 +36,7 @@ mod workshop;
 pub use cascade::MOST_PARTS;
 pub use choice::{Chooser, trained, training};
 pub use error::share_unseen;
-pub use features::{GuideFeatures, guide_features};
+pub use features::{GuideFeatures, guide_features, guide_features_freeing};
 pub use light_guide::with_direct_light;
 pub use settings::{BestSettings, FitSettings, LightSettings};
 pub use workshop::{Extras, Workshop};

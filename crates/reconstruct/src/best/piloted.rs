@@ -22,6 +22,7 @@ use crate::box_filter::box_mean;
 use crate::per_pixel::plane;
 use crate::reconstruction::ReconstructError;
 use crate::recorruption::evenly_recorrupted_halves;
+use crate::variance::known_everywhere;
 
 /// Everything up to the second pass.
 #[derive(Clone)]
@@ -157,7 +158,10 @@ pub fn layers_of(
 fn parts_of(component: &Component, samples: &SampleCounts, most: usize) -> Option<Parts> {
     let radiance = &component.radiance;
     match &radiance.noise {
-        Noise::VarianceOfMean(variance) => Some(Parts::halves(evenly_recorrupted_halves(&radiance.mean, variance))),
+        Noise::VarianceOfMean(variance) => {
+            let variance = known_everywhere(variance.clone(), &radiance.mean);
+            Some(Parts::halves(&evenly_recorrupted_halves(&radiance.mean, &variance)))
+        }
         _ => radiance.groups(samples, most).map(|groups| Parts::new(groups, samples)),
     }
 }

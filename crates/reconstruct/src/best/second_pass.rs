@@ -24,13 +24,16 @@ const TINY_BANDWIDTH: f32 = 3.0;
 /// Radius of the patches that are compared.
 const PATCH_RADIUS: usize = 1;
 
+/// Radius of the windows that tolerated differences are smoothed over, twice.
+const TOLERANCE_RADIUS: usize = 2;
+
 /// Deviations after which a Gaussian is negligible: its weight is below 10⁻⁴.
 const REACH: f32 = 4.3;
 
 /// How far from a pixel the second pass looks, in rows: fits that predict it lie as far as a window reaches, and so do
-/// those that decide whether one of them is needed; patches reach a pixel farther.
+/// those that decide whether one of them is needed; patches reach farther, and tolerances are smoothed.
 pub fn reach(settings: &FitSettings) -> usize {
-    2 * settings.second_radius + PATCH_RADIUS
+    2 * settings.second_radius + PATCH_RADIUS + 2 * TOLERANCE_RADIUS
 }
 
 /// The candidates of the second pass: two images (the halves of the low layer) rebuilt with the same weights, for three
@@ -80,7 +83,7 @@ pub fn second_pass(
     // wide.
     let apart = radius < guides.radius;
     kernels.extend((!apart).then_some(tiny));
-    monitor.begin("second pass", (1 + u64::from(apart)) * units(size, settings.stride, settings.covered));
+    monitor.begin("second pass", (1 + u64::from(apart)) * units(size, settings.stride));
     let mut predicted = collaborate(&fitted, &guides, &kernels, monitor)?;
     if apart {
         predicted.extend(collaborate(&fitted, &Guides { radius, ..guides }, &[tiny], monitor)?);
@@ -105,7 +108,7 @@ fn tolerated(pilot: &Image, first: &[Image; 2], tolerance: f32) -> Vec<Vec<f32>>
         .zip(b)
         .map(|(a, b)| {
             let spread = plane(size.pixels(), |pixel| 0.25 * (a[pixel] - b[pixel]) * (a[pixel] - b[pixel]));
-            let mut smooth = box_mean_twice(&spread, size, 2);
+            let mut smooth = box_mean_twice(&spread, size, TOLERANCE_RADIUS);
             smooth.par_iter_mut().zip(&pilot).for_each(|(s, m)| *s += tolerance * (m * m + 1e-3));
             smooth
         })

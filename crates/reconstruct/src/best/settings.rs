@@ -82,10 +82,10 @@ stack::knobs! {
         /// tables it is what indirect light goes by.
         next: bool = true, ..;
         /// Bandwidth k of the regression that frees that of noise.
-        next_bandwidth: f32 = 2.0, 0.01..=100.0;
+        next_bandwidth: f32 = 1.4, 0.01..=100.0;
         /// The same for visibility, of which the noise would be seen in soft shadows and under a sky; 0 filters it as other
         /// features, which is faster.
-        visibility_bandwidth: f32 = 1.2, 0.0..=100.0;
+        visibility_bandwidth: f32 = 0.85, 0.0..=100.0;
     }
 }
 
@@ -95,7 +95,7 @@ stack::knobs! {
         /// Distance between the pixels that carry a fit; the pixels between them are predicted by their neighbours'.
         stride: usize = 3, 1..=8;
         /// A pixel on which the fits around it weigh less than this gets one of its own; 1 is what a fit at the pixel
-        /// itself weighs, 0 leaves all pixels to the lattice.
+        /// itself weighs, 0 leaves to the lattice all that it reaches.
         covered: f32 = 1.0, 0.0..=100.0;
         /// Bandwidth k of the first pass's weights exp(−D/k²), D the distance of patches in units of their noise.
         first_bandwidth: f32 = 0.5, 0.01..=100.0;
@@ -285,7 +285,11 @@ impl BestSettings {
         Self {
             regression,
             spread: SpreadSettings { levels: 0, ..self.spread },
-            cascade: CascadeSettings { levels: 4, parts: 2, ..self.cascade },
+            cascade: CascadeSettings {
+                levels: self.cascade.levels.min(4),
+                parts: self.cascade.parts.min(2),
+                ..self.cascade
+            },
             clouds: CloudSettings { levels: 0, ..self.clouds },
             choice: ChoiceSettings { learned: false, ..self.choice },
             ..self

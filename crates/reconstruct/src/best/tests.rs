@@ -142,6 +142,12 @@ fn bands_of_rows_make_the_same_picture() {
 }
 
 #[test]
+fn a_band_sees_all_that_the_second_pass_looks_at() {
+    // Two windows, patches of 3×3, and 5×5 twice for what differences are tolerated.
+    assert_eq!(second_pass::reach(&FitSettings { second_radius: 7, ..FitSettings::default() }), 14 + 1 + 4);
+}
+
+#[test]
 fn passes_add_up_and_each_resembles_its_truth() {
     let clean = walls(SIZE);
     let stack = stack_of(&clean, 146);

@@ -66,8 +66,10 @@ pub fn collaborate(
     let stride = fitted.stride;
     let on_lattice = |x: usize, y: usize| x % stride == stride / 2 && y % stride == stride / 2;
     work.run(&mut sums, &tiles_of(guides.size, FITS * stride), |_, x, y| on_lattice(x, y))?;
-    if stride > 1 && fitted.covered > 0.0 {
-        let bare: Vec<Vec<bool>> = sums.iter().map(|sums| sums.lighter_than(fitted.covered)).collect();
+    if stride > 1 {
+        // What no fit reaches at all needs one of its own whatever was asked for.
+        let least = fitted.covered.max(f32::MIN_POSITIVE);
+        let bare: Vec<Vec<bool>> = sums.iter().map(|sums| sums.lighter_than(least)).collect();
         let is_bare = |candidate: usize, x: usize, y: usize| bare[candidate][guides.size.index(x, y)];
         work.run(&mut sums, &tiles_of(guides.size, SMALL_TILE), is_bare)?;
     }
@@ -83,9 +85,9 @@ pub const fn period(stride: usize) -> usize {
 }
 
 /// How many units [`collaborate`] reports.
-pub fn units(size: Size, stride: usize, covered: f32) -> u64 {
+pub fn units(size: Size, stride: usize) -> u64 {
     let tiles = |side: usize| tiles_of(size, side).len() as u64;
-    tiles(FITS * stride) + if stride > 1 && covered > 0.0 { tiles(SMALL_TILE) } else { 0 }
+    tiles(FITS * stride) + if stride > 1 { tiles(SMALL_TILE) } else { 0 }
 }
 
 /// Everything a sweep over tiles needs.

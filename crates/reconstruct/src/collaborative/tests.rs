@@ -110,13 +110,26 @@ fn a_pixel_unlike_all_others_gets_a_fit_of_its_own() {
         let mut guides = problem.guides(&values, 4);
         guides.comparison.patch_radius = 0;
         let all = [&responses[..]];
-        let fitted = problem.fitted(&planes, &all, 1e-3, 3);
-        let with_own = collaborate(&fitted, &guides, &KERNELS[..1], &Silent).unwrap();
-        assert!(problem.largest_difference(&with_own[0]) < 1e-5, "the lone pixel at {x} {y} or those around it");
-        let without = collaborate(&Fitted { covered: 0.0, ..fitted }, &guides, &KERNELS[..1], &Silent).unwrap();
-        let on_lattice = x % 3 == 1 && y % 3 == 1;
-        assert_eq!(problem.largest_difference(&without[0]) < 1e-5, on_lattice, "{x} {y} left to the lattice");
+        for covered in [1.0, 0.0] {
+            // Nothing of the lattice reaches it: it is not left to that, either.
+            let fitted = Fitted { covered, ..problem.fitted(&planes, &all, 1e-3, 3) };
+            let found = collaborate(&fitted, &guides, &KERNELS[..1], &Silent).unwrap();
+            assert!(problem.largest_difference(&found[0]) < 1e-5, "the lone pixel at {x} {y} or those around it");
+        }
     }
+}
+
+#[test]
+fn with_little_to_be_covered_by_fits_are_fewer() {
+    let problem = Problem::random(Size::new(40, 28), 70);
+    let (planes, values) = (problem.planes(), [problem.values()]);
+    let responses = planes.responses();
+    let all = [&responses[..]];
+    let [all, few] = [1.0, 0.0].map(|covered| {
+        let fitted = Fitted { covered, ..problem.fitted(&planes, &all, 1e-3, 3) };
+        collaborate(&fitted, &problem.guides(&values, 4), &KERNELS[..1], &Silent).unwrap()
+    });
+    assert_ne!(all, few);
 }
 
 #[test]
@@ -127,6 +140,17 @@ fn the_same_bytes_for_any_number_of_threads() {
         pool.install(|| run(&problem, 3, 2, 1e-3, None))
     };
     assert!(with(1) == with(4));
+}
+
+#[test]
+fn what_no_fit_of_the_lattice_reaches_gets_one_of_its_own() {
+    let problem = Problem::random(Size::new(40, 30), 69);
+    let (planes, values) = (problem.planes(), [problem.values()]);
+    let responses = planes.responses();
+    let all = [&responses[..]];
+    let fitted = Fitted { covered: 0.0, ..problem.fitted(&planes, &all, 1e-3, 8) };
+    let found = collaborate(&fitted, &problem.guides(&values, 3), &KERNELS[1..2], &Silent).unwrap();
+    assert!(found[0][0].iter().all(|plane| plane.iter().all(|v| *v != 0.0)));
 }
 
 #[derive(Default)]
@@ -155,7 +179,7 @@ fn monitors_hear_of_every_unit_and_can_stop_it() {
         let fitted = Fitted { covered, ..problem.fitted(&planes, &all, 1e-3, stride) };
         let counting = Counting::default();
         collaborate(&fitted, &guides, &KERNELS[..1], &counting).unwrap();
-        assert_eq!(counting.units.into_inner(), units(problem.size, stride, covered));
+        assert_eq!(counting.units.into_inner(), units(problem.size, stride));
         let stopping = Counting { stop: true, ..Counting::default() };
         assert_eq!(collaborate(&fitted, &guides, &KERNELS, &stopping).unwrap_err(), Cancelled);
     }

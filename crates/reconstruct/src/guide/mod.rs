@@ -32,6 +32,7 @@ use self::moments::Moments;
 pub use self::settings::GuideSettings;
 use self::stakes::stakes;
 use crate::completion::complete;
+use crate::exposure::{Exposed, exposure};
 use crate::network::WeightsError;
 use crate::prefilter::PrefilterError;
 use crate::reconstruction::{ReconstructError, Reconstruction};
@@ -138,10 +139,15 @@ impl Hearing {
         monitor.begin("guide", 1);
         // What was made up has been told when the picture was rebuilt.
         let completed = complete(Cow::Borrowed(stack), &settings.completion_for_method(), &Silent)?;
-        let evidence = Evidence::new(&completed.stack, &rebuilt.picture, &settings.best, &Within(monitor))?;
-        let guide = sound(guide, &rebuilt.picture);
-        let moments = Moments::new(&evidence, rebuilt, &guide);
-        let stakes = stakes(&rebuilt.picture, &guide);
+        // Both are judged in light of usual brightness; units are no merit.
+        let exposure = exposure(&completed.stack.components, &settings.best.light);
+        let stack = completed.stack.exposed(exposure);
+        let bright = Cow::Borrowed(rebuilt).exposed(exposure);
+        let bright_guide = sound(guide, &rebuilt.picture).exposed(exposure);
+        let evidence = Evidence::new(&stack, &bright.picture, &settings.best, &Within(monitor))?;
+        let moments = Moments::new(&evidence, &bright, &bright_guide);
+        let stakes = stakes(&bright.picture, &bright_guide);
+        let guide = bright_guide.exposed(1.0 / exposure);
         Ok(Self { picture: rebuilt.picture.clone(), guide, moments, stakes })
     }
 

@@ -53,6 +53,19 @@ fn our_own_picture_as_a_guide_changes_nothing() {
 }
 
 #[test]
+fn units_do_not_matter() {
+    let Scene { truth, stack, rebuilt } = scene();
+    let with = |factor: f32| {
+        let stack = stack.clone().exposed(factor);
+        let (rebuilt, guide) = (rebuilt.clone().exposed(factor), truth.clone().exposed(factor));
+        guided(&stack, &rebuilt, &guide, &Settings::default(), &Silent).unwrap()
+    };
+    // Both so dark that all they are relative to would be but the constants that keep it finite.
+    let [dark, darker] = [-14, -22].map(|exponent| with(2.0_f32.powi(exponent)));
+    assert!(dark.weights == darker.weights);
+}
+
+#[test]
 fn values_that_are_not_finite_are_left_out() {
     let scene = scene();
     let mut guide = scene.truth.clone();

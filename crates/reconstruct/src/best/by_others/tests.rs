@@ -37,8 +37,9 @@ fn rows_and_columns() -> FeatureSet {
 }
 
 fn rebuilt(next: &[&Feature]) -> Option<Vec<Vec<f32>>> {
-    let how = Rebuilding::next_surface(2.0);
-    rebuilt_by_others(next, &rows_and_columns(), &counts(), how, &BestSettings::default(), &Silent).unwrap()
+    let how = Rebuilding::next_surface(1.4);
+    let next: Vec<Cow<Feature>> = next.iter().map(|feature| Cow::Borrowed(*feature)).collect();
+    rebuilt_by_others(&next, &rows_and_columns(), &counts(), how, &BestSettings::default(), &Silent).unwrap()
 }
 
 #[test]

@@ -72,11 +72,12 @@ impl Residuals<'_> {
     }
 }
 
-impl ByEight<{ 4 + MOST_PARTS }> for Residuals<'_> {
+/// As many numbers as there are signals, and four.
+impl<const N: usize> ByEight<N> for Residuals<'_> {
     #[inline(always)]
-    fn numbers(&self, pixels: Pixels) -> [Lanes; 4 + MOST_PARTS] {
+    fn numbers(&self, pixels: Pixels) -> [Lanes; N] {
         let parting = self.parting;
-        let mut numbers = [[0.0; LANES]; 4 + MOST_PARTS];
+        let mut numbers = [[0.0; LANES]; N];
         let none = [[0.0; LANES]; MOST_PARTS];
         let (mut shares, mut filled, mut firsts, mut seconds) = (none, none, none, none);
         for part in 0..parting.parts() {

@@ -113,3 +113,11 @@ fn parts_that_add_up_are_their_sum() {
     .unwrap();
     assert!(sum.channels().iter().flatten().all(|v| (v - 0.75).abs() < 1e-4));
 }
+
+#[test]
+fn a_part_without_samples_is_not_taken_for_black() {
+    let [bright, nothing] = [flat(SIZE, 2.0), flat(SIZE, 0.0)];
+    let shares = [vec![1.0; SIZE.pixels()], vec![0.0; SIZE.pixels()]];
+    let (found, _) = residuals(Parts::of(&[bright, nothing], shares.to_vec()), &flat(SIZE, 1.5));
+    assert!(found.iter().flatten().all(|v| (v - 0.5).abs() < 1e-6));
+}

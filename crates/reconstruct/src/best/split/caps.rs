@@ -64,12 +64,12 @@ impl Task<'_> {
 
     /// The same where pixels have fewer samples than those around them, as much higher as a bucket of so few may be.
     fn higher_where_few(&self, mut reached: Vec<f32>) -> Vec<f32> {
-        let SplitSettings { few, smoothing, .. } = *self.settings;
+        let SplitSettings { few, smoothing, radius, .. } = *self.settings;
         if few == 0.0 || self.samples.is_uniform() {
             return reached;
         }
         let samples: Vec<f32> = self.samples.total.iter().map(|n| *n as f32).collect();
-        let around = box_mean_twice(&samples, self.size, smoothing);
+        let around = box_mean_twice(&samples, self.size, smoothing.max(radius));
         let pixels = reached.par_iter_mut().zip(&samples).zip(&around);
         pixels.for_each(|((reached, own), around)| *reached *= (around / own.max(1.0)).max(1.0).powf(few));
         reached
@@ -99,7 +99,7 @@ impl Task<'_> {
         let (others_bright, others) = (above(&around) - bright, around.len() - own.len());
         let rate = (others_bright as f32 + 0.5) / (others as f32 + 1.0);
         let detail = self.settings.detail / (own.len() + 1) as f32;
-        detail / (detail + binomial(bright, own.len(), rate))
+        detail / (detail + binomial(bright, own.len(), rate)).max(f32::MIN_POSITIVE)
     }
 
     /// Luminances of a pixel's filled buckets.

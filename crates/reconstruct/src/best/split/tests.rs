@@ -174,6 +174,19 @@ fn buckets_of_few_samples_are_cut_higher_among_others_of_many() {
     let [with, without] = [&raised, &plain].map(|caps| cut_from_few(caps));
     assert!(with < 0.5 * without, "{with} {without}");
     assert!((0..size.pixels()).filter(|i| i % 72 < 10).all(|i| raised[i] == plain[i]), "far from those");
+    let not_smoothed = [SplitSettings::DEFAULT.few, 0.0]
+        .map(|few| caps(size, &luminances, &samples, &SplitSettings { few, smoothing: 0, ..settings() }));
+    assert_ne!(not_smoothed[0], not_smoothed[1], "whether or not caps are evened out");
+}
+
+#[test]
+fn what_is_never_taken_for_a_detail_is_cut_at_what_surroundings_reach() {
+    let size = Size::new(9, 9);
+    let mut luminances = vec![vec![0.1; size.pixels()]; 40];
+    luminances.iter_mut().for_each(|bucket| bucket[40] = 10.0);
+    let samples = SampleCounts::uniform(size.pixels(), vec![1; 40]);
+    let found = caps(size, &luminances, &samples, &SplitSettings { detail: 0.0, ..settings() });
+    assert!(found.iter().all(|cap| *cap > 0.1), "{}", found[40]);
 }
 
 #[test]

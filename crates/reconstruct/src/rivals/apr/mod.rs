@@ -96,7 +96,7 @@ fn fit_polynomials(
     let input = RegressionInput { colour, variance, features, active: None };
     let field = Field::new(&input, settings.radius);
     let nothing = FeatureSet { size: features.size, planes: Vec::new(), groups: Vec::new() };
-    let rows = centre_rows(field.size.height, settings.stride);
+    let rows = centre_rows(field.size.height, stride(settings));
     monitor.begin("regression", (rows.len() * settings.stages) as u64);
     let mut fit: Option<PolynomialFit> = None;
     for _ in 0..settings.stages.max(1) {
@@ -108,6 +108,11 @@ fn fit_polynomials(
         fit = Some(one_stage(fitted, &rows, monitor)?);
     }
     fit.ok_or(Cancelled)
+}
+
+/// Distance between centres: no more than leaves every pixel in a block, those at the border, too.
+fn stride(settings: &AprSettings) -> usize {
+    settings.stride.min(settings.radius + 1)
 }
 
 /// Rows whose pixels are centres of blocks: every `stride`-th, spread evenly.

@@ -54,6 +54,13 @@ fn polynomials_up_to_the_third_order_are_exact() {
 }
 
 #[test]
+fn blocks_cover_every_pixel_however_far_apart_they_are_asked_for() {
+    let settings = AprSettings { stride: 16, radius: 2, ..AprSettings::DEFAULT };
+    let found = run(&constant(0.5), 0.1, &no_features(), settings);
+    assert!(error(&found.picture, &constant(0.5)) < 1e-8);
+}
+
+#[test]
 fn an_order_too_low_is_not_exact() {
     let [clean, _] = polynomial(3, 0.0);
     let found = run(&clean, 0.0, &no_features(), AprSettings { highest_order: 2, ..AprSettings::DEFAULT });

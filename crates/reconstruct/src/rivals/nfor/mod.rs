@@ -68,7 +68,7 @@ pub fn rebuild(
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
     let halves = match &component.radiance.noise {
-        Noise::VarianceOfMean(variance) => recorrupted_halves(&component.radiance.mean, variance),
+        Noise::VarianceOfMean(_) => recorrupted_halves(&component.radiance.mean, &variance_of(stack, component)?),
         _ => {
             let halves = component.radiance.halves(&stack.samples);
             let halves = halves.ok_or(ReconstructError::NoBuckets { layer: component.role.layer() })?;
@@ -92,7 +92,7 @@ fn denoised(
     let selected = select(&candidates, colour, monitor)?;
     let (mean, spread) = combined(&selected.halves);
     let set = final_features(features, monitor)?;
-    monitor.begin("second pass", units(mean.size(), settings.stride, 1.0));
+    monitor.begin("second pass", units(mean.size(), settings.stride));
     let picture =
         regression(&set, &mean, (&mean, &spread), &[FINAL_BANDWIDTH], settings, monitor)?.pop().unwrap_or(mean);
     Ok((without_negative_values(picture), selected.mse))
@@ -106,7 +106,7 @@ fn first_pass(
     monitor: &dyn Monitor,
 ) -> Result<Vec<Candidate>, Cancelled> {
     let ColourHalves { halves: [a, b], variance } = colour;
-    monitor.begin("first pass", 2 * units(a.size(), settings.stride, 1.0));
+    monitor.begin("first pass", 2 * units(a.size(), settings.stride));
     let of_a = regression(&features.filtered[1], a, (b, variance), &BANDWIDTHS, settings, monitor)?;
     let of_b = regression(&features.filtered[0], b, (a, variance), &BANDWIDTHS, settings, monitor)?;
     Ok(of_a.into_iter().zip(of_b).map(|(a, b)| Candidate { halves: [a, b] }).collect())
