@@ -46,6 +46,9 @@ fn flags_that_are_wrong() {
     for line in ["--size 0x10", "--size 10", "--eye 1,2", "--crop 0,0,0,5", "--samples 5..5", "--time 5"] {
         refused(&workplace, &format!("render box.obj -o a.exr {line}"), &[line.split(' ').next().unwrap()]);
     }
+    for flag in ["--target-error", "--exposure", "--env-scale"] {
+        refused(&workplace, &format!("render box.obj -o a.exr {flag} nan"), &[flag, "finite"]);
+    }
     refused(&workplace, "render box.obj -o a.exr --spp 0", &["--spp"]);
     refused(&workplace, "render box.obj -o a.gif", &["a.gif", ".exr"]);
     refused(&workplace, "render box.obj -o a.exr --spike-tile-size 1", &["--spike-tile-size", "4..=1024"]);

@@ -8,7 +8,7 @@ use stack::file::{Convention, Mapping, ReadOptions};
 
 use crate::failure::usage;
 use crate::memory::Bytes;
-use crate::options::{Crop, PictureSize, Shutter, Sky, Triple};
+use crate::options::{Crop, PictureSize, Shutter, Sky, Triple, above_zero, finite};
 use crate::settings::{Preset, Settings};
 
 /// Renders a scene on the CPU, or denoises another renderer's feature stack.
@@ -92,7 +92,7 @@ pub struct OutputArgs {
     #[arg(long, value_name = "LIST", default_value = "inputs,mse")]
     pub aov: String,
     /// Exposure of the .png in stops [default: chosen from the picture].
-    #[arg(long, value_name = "EV", allow_negative_numbers = true)]
+    #[arg(long, value_name = "EV", allow_negative_numbers = true, value_parser = finite::<f32>)]
     pub exposure: Option<f32>,
 }
 
@@ -156,10 +156,10 @@ pub struct RenderArgs {
     #[arg(long, value_name = "FILE|R,G,B", help_heading = "Light")]
     pub env: Option<Sky>,
     /// Turn of the sky's map round the vertical in degrees, counter-clockwise seen from above.
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true, help_heading = "Light")]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = finite::<f32>, help_heading = "Light")]
     pub env_rotate: Option<f32>,
     /// Factor on the sky's radiance.
-    #[arg(long, value_name = "S", help_heading = "Light")]
+    #[arg(long, value_name = "S", value_parser = finite::<f32>, help_heading = "Light")]
     pub env_scale: Option<f32>,
 
     /// Mean samples per pixel [default: 32, or what the scene says].
@@ -169,7 +169,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "TIME", value_parser = crate::options::duration, help_heading = "Work")]
     pub time: Option<std::time::Duration>,
     /// Stop when the estimated relative MSE of the picture is this low; exit 1 when the budget ends before.
-    #[arg(long, value_name = "E", help_heading = "Work")]
+    #[arg(long, value_name = "E", value_parser = above_zero, help_heading = "Work")]
     pub target_error: Option<f32>,
     /// The same number of samples for every pixel.
     #[arg(long, help_heading = "Work")]
@@ -182,8 +182,8 @@ pub struct RenderArgs {
     /// asked for.
     #[arg(long, help_heading = "Work")]
     pub resume: bool,
-    /// Keep the samples there are in OUT.partial.exr, for --resume, after each round that ends so long after the last time
-    /// (`5m`). A uniform render of a given number of samples is one round.
+    /// Keep the samples there are in OUT.partial.exr, for --resume, so long after the last time (`5m`), as soon as up to eight
+    /// samples of every pixel are done.
     #[arg(long, value_name = "TIME", value_parser = crate::options::duration, help_heading = "Output")]
     pub checkpoint: Option<std::time::Duration>,
     /// Leave the picture as it was sampled.
@@ -319,13 +319,13 @@ pub struct CompareArgs {
     #[arg(long, value_name = "FILE")]
     pub ref2: Option<PathBuf>,
     /// What keeps the relative measures finite where the reference is black.
-    #[arg(long, value_name = "E", default_value_t = 0.001)]
+    #[arg(long, value_name = "E", value_parser = finite::<f32>, default_value_t = 0.001)]
     pub epsilon: f32,
     /// Exit 1 when an image's relative MSE is above this.
-    #[arg(long, value_name = "X")]
+    #[arg(long, value_name = "X", value_parser = finite::<f64>)]
     pub max_rmse: Option<f64>,
     /// Exit 1 when an image's LDR-FLIP is above this.
-    #[arg(long, value_name = "X")]
+    #[arg(long, value_name = "X", value_parser = finite::<f64>)]
     pub max_flip: Option<f64>,
     /// A picture of the same size: pixels that are black in it are left out of every measure.
     #[arg(long, value_name = "FILE")]
@@ -367,7 +367,7 @@ pub struct BenchArgs {
     #[arg(long, value_name = "FILE")]
     pub against: Option<PathBuf>,
     /// Exit 1 when a step is slower than it was by more than this share.
-    #[arg(long, value_name = "X", requires = "against")]
+    #[arg(long, value_name = "X", value_parser = finite::<f64>, requires = "against")]
     pub max_loss: Option<f64>,
     #[command(flatten)]
     pub report: ReportArgs,

@@ -134,6 +134,17 @@ impl FromStr for Address {
     }
 }
 
+/// A number that is neither infinite nor NaN.
+pub fn finite<T: FromStr + Copy + Into<f64>>(text: &str) -> Result<T, String> {
+    let number = text.parse().ok().filter(|number: &T| (*number).into().is_finite());
+    number.ok_or_else(|| "expected a finite number".into())
+}
+
+/// A finite number above 0.
+pub fn above_zero(text: &str) -> Result<f32, String> {
+    finite(text).ok().filter(|number| *number > 0.0).ok_or_else(|| "expected a finite number above 0".into())
+}
+
 /// A time with its unit: `90s`, `5m`, `1h`.
 pub fn duration(text: &str) -> Result<Duration, String> {
     let wrong = || "expected a number and s, m or h, as in 90s".to_string();
@@ -162,6 +173,15 @@ mod tests {
         for wrong in ["0x10", "10", "10x", "axb", "-3x5", "10x20x30", "70000x1"] {
             assert!(wrong.parse::<PictureSize>().is_err(), "{wrong}");
         }
+    }
+
+    #[test]
+    fn numbers_are_finite() {
+        assert_eq!((finite::<f32>("-1.5"), above_zero("1e-3")), (Ok(-1.5), Ok(1e-3)));
+        for wrong in ["nan", "inf", "-inf", "1e99", "x", ""] {
+            assert!(finite::<f32>(wrong).is_err() && above_zero(wrong).is_err(), "{wrong}");
+        }
+        assert!(above_zero("0").is_err() && above_zero("-1").is_err());
     }
 
     #[test]

@@ -28,13 +28,14 @@ impl<'a> Checkpoint<'a> {
         Self { file, every, write, state: Mutex::new(State { last: Instant::now(), written: false }) }
     }
 
-    /// Keeps the samples of `stack`, when it is time. That it cannot is said; the render goes on, it may have more luck.
+    /// Whether it is time to keep samples again.
+    pub fn is_due(&self) -> bool {
+        self.state.lock().is_ok_and(|state| state.last.elapsed() >= self.every)
+    }
+
+    /// Keeps the samples of `stack`. That it cannot is said; the render goes on, it may have more luck.
     pub fn reach(&self, stack: &FeatureStack, progress: &Progress) {
         let Ok(mut state) = self.state.lock() else { return };
-        if state.last.elapsed() < self.every {
-            return;
-        }
-        state.last = Instant::now();
         let (mean, ..) = stack.samples.mean_min_max();
         match (self.write)(stack) {
             Ok(()) => {
@@ -43,6 +44,7 @@ impl<'a> Checkpoint<'a> {
             }
             Err(error) => progress.say(&format!("--checkpoint: {error:#}; rendering goes on")),
         }
+        state.last = Instant::now();
     }
 
     /// Whether anything was kept.
@@ -78,7 +80,7 @@ mod tests {
                 Ok(std::fs::write(&file, "samples")?)
             };
             let checkpoint = Checkpoint::new(file.clone(), every, &write);
-            (0..3).for_each(|_| checkpoint.reach(&stack, &progress));
+            (0..3).filter(|_| checkpoint.is_due()).for_each(|_| checkpoint.reach(&stack, &progress));
             assert_eq!((count.get(), file.exists()), (expected, expected > 0));
             assert_eq!(checkpoint.is_written(), expected > 0);
             let _ = std::fs::remove_file(&file);

@@ -7,6 +7,7 @@ mod record;
 pub mod report;
 mod resume;
 mod tev;
+mod time_left;
 mod view;
 
 use std::path::{Path, PathBuf};

@@ -28,5 +28,6 @@ mod repeatability_tests;
 mod test_scenes;
 
 pub use error::TraceError;
+pub use passes::passes_of;
 pub use settings::{DirectLight, FeatureHit, TraceSettings};
 pub use trace::{TraceReport, trace};

@@ -10,6 +10,16 @@ use stack::SampleMap;
 /// Most samples a pixel gets in one pass.
 const PASS: u32 = 8;
 
+/// The passes that [`trace`](super::trace()) cuts `map` into, each as a map of its own: traced one after another they end in the
+/// same bytes as `map` at once.
+pub fn passes_of(map: &SampleMap) -> impl Iterator<Item = SampleMap> {
+    (0..count(map)).map(|pass| {
+        let ranges = (0..map.count.len()).map(|pixel| samples(map, pixel, pass));
+        let (first, count) = ranges.map(|range| (range.start, range.end - range.start)).unzip();
+        SampleMap { first, count }
+    })
+}
+
 /// How many passes `map` takes.
 pub(super) fn count(map: &SampleMap) -> u32 {
     let passes = |(first, count): (&u32, &u32)| if *count == 0 { 0 } else { (first % PASS + count).div_ceil(PASS) };
@@ -37,6 +47,14 @@ mod tests {
         assert_eq!(of(1), [5..7, 7..7, 7..7]);
         assert_eq!(of(2), [8..16, 16..17, 17..17]);
         assert!(of(3).iter().all(Range::is_empty));
+    }
+
+    #[test]
+    fn passes_are_maps_of_their_own() {
+        let map = SampleMap { first: vec![0, 5, 8], count: vec![10, 2, 0] };
+        let passes: Vec<SampleMap> = passes_of(&map).collect();
+        assert_eq!(passes.iter().map(|pass| pass.count.clone()).collect::<Vec<_>>(), [[8, 2, 0], [2, 0, 0]]);
+        assert_eq!(passes[1].first[0], 8);
     }
 
     #[test]
