@@ -482,8 +482,18 @@ fn checkpoints_keep_samples_until_the_picture_is_there() {
     assert!(["8.0", "16.0", "21.0"].into_iter().all(kept), "{}", run.stderr());
     workplace.must(&format!("{render} -o c.exr"));
     assert!(workplace.bytes("b.exr") == workplace.bytes("c.exr"));
-    workplace.write("a.partial.exr", "another's");
-    let run = workplace.must(&format!("{render} --checkpoint 1h --verbose"));
-    assert!(!run.stderr().contains("are kept"));
-    assert_eq!(workplace.bytes("a.partial.exr"), b"another's", "what it has not written it leaves alone");
+    assert!(!workplace.must(&format!("{render} --checkpoint 1h --verbose -o b.exr")).stderr().contains("are kept"));
+}
+
+#[test]
+fn samples_of_an_interrupted_render_are_not_lost() {
+    let workplace = Workplace::new();
+    workplace.write("a.partial.exr", "many samples");
+    for flags in ["", "--checkpoint 0s"] {
+        let run = workplace.tamis(&format!("render box.obj --size 16x12 --spp 2 -o a.png -o a.exr {flags}"));
+        assert_eq!((run.code(), run.errors().len()), (Some(2), 1), "{}", run.stderr());
+        assert!(["a.partial.exr", "--resume", "delete"].iter().all(|word| run.errors()[0].contains(word)));
+    }
+    assert_eq!(workplace.bytes("a.partial.exr"), b"many samples");
+    assert!(!workplace.path("a.exr").exists());
 }

@@ -21,7 +21,7 @@ use stack::{FeatureStack, Image, SampleCounts};
 use tracer::film::Film;
 
 use crate::args::{RenderArgs, ReportArgs};
-use crate::failure::Verdict;
+use crate::failure::{Verdict, usage};
 use crate::interrupt;
 use crate::output::{Outputs, Written};
 use crate::progress::Progress;
@@ -39,6 +39,9 @@ pub use view::{View, open_scene};
 pub fn run(args: &RenderArgs, matches: &ArgMatches) -> Result<Verdict> {
     let start = Instant::now();
     let outputs = Outputs::prepare(&args.output, &args.stem())?;
+    if !args.resume {
+        refuse_to_lose(&partial_path(&outputs))?;
+    }
     start_threads(&args.report)?;
     interrupt::listen();
     let progress = Progress::new(&args.report);
@@ -154,6 +157,17 @@ fn partial_path(outputs: &Outputs) -> PathBuf {
     let files = outputs.files();
     let named = files.iter().find(|file| extension(file) == "exr").or(files.first());
     named.map_or_else(|| PathBuf::from("picture.partial.exr"), |file| file.with_extension("partial.exr"))
+}
+
+/// Refuses to begin where an interrupted run has left samples in `file`, which the next interruption would replace.
+fn refuse_to_lose(file: &Path) -> Result<()> {
+    if !file.exists() {
+        return Ok(());
+    }
+    let file = file.display();
+    Err(usage(format!(
+        "{file} keeps the samples of a render that was interrupted: --resume goes on with it, or delete it"
+    )))
 }
 
 /// Keeps the samples of a render that is not finished.

@@ -44,9 +44,9 @@ impl Begun {
             return Ok(None);
         };
         if let Some([field, expected, found]) = misfit(plan, view, &stack, &record) {
+            let otherwise = if file == partial { "delete it" } else { "leave --resume out" };
             return Err(usage(format!(
-                "--resume: {}: {field}: expected {expected}, found {found}; give the flags it was rendered with, \
-                 or leave --resume out",
+                "--resume: {}: {field}: expected {expected}, found {found}; give the flags it was rendered with, or {otherwise}",
                 file.display()
             )));
         }
