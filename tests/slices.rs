@@ -218,7 +218,12 @@ fn a_resumed_render_holds_what_one_render_holds() {
     let run = workplace.must(&resume.replace(" --quiet", ""));
     let report: Value = serde_json::from_str(&run.stdout()).unwrap();
     assert!(run.stderr().contains("nothing is missing in a.exr") && report["samples"].as_u64() == Some(0));
+    assert!(run.stdout().contains("\"reconstruct\":0.0"), "{}", run.stdout());
     assert!(workplace.bytes("a.exr") == finished);
+    workplace.must(&format!("{resume} -o a.png"));
+    assert!(workplace.path("a.png").exists() && workplace.bytes("a.exr") == finished, "what is missing is written");
+    let judged = resume.replace("--no-denoise", "--method ld");
+    assert_eq!(workplace.tamis(&format!("{judged} --target-error 1e-12")).code(), Some(1), "a target is looked at");
 
     // What an interrupted run left: with samples missing, and without.
     for (spp, from, file) in [(21, "small", "b"), (5, "large", "c")] {

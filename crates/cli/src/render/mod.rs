@@ -54,7 +54,7 @@ pub fn run(args: &RenderArgs, matches: &ArgMatches) -> Result<Verdict> {
     let (begun, film) = found.unzip();
     let new = || Film::new(plan.window, plan.size, &plan.settings.trace).starting_at(plan.budget.first);
     let film = film.unwrap_or_else(new);
-    if let Some(begun) = begun.as_ref().filter(|begun| begun.is_finished(&film, &plan.budget)) {
+    if let Some(begun) = begun.as_ref().filter(|begun| begun.is_finished(&film, &plan.budget, &outputs)) {
         let finished = Finished::nothing_new(film.into_stack());
         return say_that_nothing_is_missing(args, &outputs, &plan, (begun, &finished), &view, &progress);
     }

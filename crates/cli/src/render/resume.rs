@@ -55,9 +55,11 @@ impl Begun {
         Ok(Some((Self { is_partial: file == partial, file }, Film::from_stack(stack)?)))
     }
 
-    /// Whether the picture is there already, with all samples that are asked for.
-    pub fn is_finished(&self, film: &Film, budget: &Budget) -> bool {
-        !self.is_partial && budget.is_spent_by(film.counts())
+    /// Whether all `outputs` are there already, with all samples that are asked for. Whether they reach a target, only
+    /// a reconstruction can tell.
+    pub fn is_finished(&self, film: &Film, budget: &Budget, outputs: &Outputs) -> bool {
+        let are_there = outputs.files().iter().all(|file| file.exists());
+        !self.is_partial && are_there && budget.target_error.is_none() && budget.is_spent_by(film.counts())
     }
 
     /// The picture as it stands in the file.
