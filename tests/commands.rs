@@ -349,6 +349,13 @@ fn many_pictures_go_on_after_a_bad_one() {
     assert_eq!(workplace.bytes("out/clean.0002.exr"), finished);
     workplace.must("denoise s.0001.exr s.0002.exr -o out --method ld --quiet");
     assert!(workplace.path("out/s.0001.exr").exists());
+    let noisy = workplace.bytes("s.0001.exr");
+    for line in ["s.0001.exr s.0002.exr -o .", "s.####.exr -o ./s.####.exr"] {
+        let run = workplace.tamis(&format!("denoise {line} --aov none --method ld"));
+        assert_eq!((run.code(), run.errors().len()), (Some(2), 1), "{}", run.stderr());
+        assert!(run.errors()[0].contains("s.0001.exr is an input"), "{}", run.stderr());
+    }
+    assert!(workplace.bytes("s.0001.exr") == noisy, "inputs stay as they are");
     let run = workplace.tamis("denoise s.0001.exr s.0002.exr -o one.exr");
     assert_eq!(run.code(), Some(2));
     assert!(run.errors()[0].contains("role=FILE"), "{}", run.stderr());

@@ -1,5 +1,6 @@
 //! `tamis denoise` of many pictures: goes on after a bad one, and says at the end which those were.
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -28,21 +29,20 @@ pub struct Job {
 /// number of a frame.
 ///
 /// # Errors
-/// When a pattern fits no file, or two pictures would be written to one place.
+/// When a pattern fits no file, two pictures would be written to one place, or one to where an input is.
 pub fn jobs(args: &DenoiseArgs) -> Result<Option<Vec<Job>>> {
     let outputs = &args.output.output;
-    let is_pattern = |text: &str| text.contains('#') && !Path::new(text).exists();
-    let many_out = |path: &PathBuf| path.is_dir() || path.to_string_lossy().ends_with('/') || has_number(path);
-    if args.input.is_empty() || !(args.input.iter().any(|text| is_pattern(text)) || outputs.iter().any(many_out)) {
+    let sources: Vec<Source> = args.input.iter().map(|text| Source::parse(text)).collect();
+    let many_out = |path: &PathBuf| is_folder(path) || has_number(path);
+    if sources.is_empty() || !(sources.iter().any(is_pattern) || outputs.iter().any(many_out)) {
         return Ok(None);
     }
     if let Some(single) = outputs.iter().find(|path| !many_out(path)) {
         let what = "expected a folder, or a name with #### for the number of the frame";
         return Err(usage(format!("-o {}: {what}", single.display())));
     }
-    let stacks = stacks(&args.input)?;
     let mut jobs: Vec<Job> = Vec::new();
-    for (sources, number) in stacks {
+    for (sources, number) in stacks(sources)? {
         let outputs = outputs.iter().map(|output| place(output, &sources, &number)).collect::<Result<Vec<_>>>()?;
         if let Some(other) = jobs.iter().find(|job| job.outputs == outputs) {
             let [a, b] = [&other.sources, &sources].map(|s| s[0].path.display().to_string());
@@ -50,18 +50,41 @@ pub fn jobs(args: &DenoiseArgs) -> Result<Option<Vec<Job>>> {
         }
         jobs.push(Job { sources, outputs });
     }
+    spare_inputs(&jobs)?;
     Ok(Some(jobs))
 }
 
+/// Refuses outputs that would replace an input, be it another picture's: nobody names them one by one.
+fn spare_inputs(jobs: &[Job]) -> Result<()> {
+    let sources = jobs.iter().flat_map(|job| &job.sources);
+    let inputs: HashSet<PathBuf> = sources.filter_map(|source| source.path.canonicalize().ok()).collect();
+    let is_input = |output: &&PathBuf| output.canonicalize().is_ok_and(|output| inputs.contains(&output));
+    match jobs.iter().flat_map(|job| &job.outputs).find(is_input) {
+        Some(output) => Err(usage(format!(
+            "-o: {} is an input, which would be replaced; give another folder or another name",
+            output.display()
+        ))),
+        None => Ok(()),
+    }
+}
+
+fn is_folder(path: &Path) -> bool {
+    path.is_dir() || path.to_string_lossy().ends_with('/')
+}
+
+/// Whether a file's own name leaves a number open; folders may be called anything.
 fn has_number(path: &Path) -> bool {
-    path.to_string_lossy().contains('#')
+    !is_folder(path) && path.file_name().is_some_and(|name| name.to_string_lossy().contains('#'))
+}
+
+/// Whether an input stands for the frames of a sequence.
+fn is_pattern(source: &Source) -> bool {
+    has_number(&source.path) && !source.path.exists()
 }
 
 /// The files of each stack, with the number of its frame where there is one.
-fn stacks(inputs: &[String]) -> Result<Vec<(Vec<Source>, String)>> {
-    let numbered: Vec<bool> = inputs.iter().map(|text| text.contains('#')).collect();
-    if numbered.iter().all(|numbered| *numbered) {
-        let sources: Vec<Source> = inputs.iter().map(|text| Source::parse(text)).collect();
+fn stacks(sources: Vec<Source>) -> Result<Vec<(Vec<Source>, String)>> {
+    if sources.iter().all(is_pattern) {
         let mut frames = Vec::new();
         for number in numbers(&sources[0].path)? {
             let filled = |source: &Source| Source { path: fill(&source.path, &number), ..source.clone() };
@@ -69,7 +92,6 @@ fn stacks(inputs: &[String]) -> Result<Vec<(Vec<Source>, String)>> {
         }
         return Ok(frames);
     }
-    let sources: Vec<Source> = inputs.iter().map(|text| Source::parse(text)).collect();
     if is_one_stack(&sources) {
         return Ok(vec![(sources, String::new())]);
     }
@@ -97,11 +119,11 @@ fn numbers(pattern: &Path) -> Result<Vec<String>> {
     Ok(numbers)
 }
 
-/// The path with `number` in place of its row of `#`.
+/// The path with `number` in place of its name's row of `#`.
 fn fill(pattern: &Path, number: &str) -> PathBuf {
-    let text = pattern.to_string_lossy();
-    match (text.find('#'), text.rfind('#')) {
-        (Some(start), Some(end)) => format!("{}{number}{}", &text[..start], &text[end + 1..]).into(),
+    let name = pattern.file_name().unwrap_or_default().to_string_lossy();
+    match (name.find('#'), name.rfind('#')) {
+        (Some(start), Some(end)) => pattern.with_file_name(format!("{}{number}{}", &name[..start], &name[end + 1..])),
         _ => pattern.into(),
     }
 }
@@ -186,7 +208,7 @@ mod tests {
         let pattern = folder.path().join("a####.exr");
         assert_eq!(numbers(&pattern).unwrap(), ["0002", "0010", "10000"]);
         let found =
-            stacks(&[pattern.display().to_string(), pattern.with_extension("pfm").display().to_string()]).unwrap();
+            stacks([&pattern, &pattern.with_extension("pfm")].map(|path| Source::from(&**path)).into()).unwrap();
         assert_eq!(found.len(), 3);
         assert_eq!(found[1].0[1].path, folder.path().join("a0010.pfm"));
         assert_eq!(place(Path::new("out/####.exr"), &found[1].0, "0010").unwrap(), Path::new("out/0010.exr"));
@@ -195,10 +217,17 @@ mod tests {
 
     #[test]
     fn role_files_are_one_picture_and_other_names_several() {
-        let names = |list: &[&str]| list.iter().map(ToString::to_string).collect::<Vec<_>>();
-        assert_eq!(stacks(&names(&["color.exr", "albedo.exr", "normal.exr"])).unwrap().len(), 1);
-        assert_eq!(stacks(&names(&["a.exr", "b.exr"])).unwrap().len(), 2);
+        let stacks = |list: &[&str]| stacks(list.iter().map(|name| Source::parse(name)).collect()).unwrap().len();
+        assert_eq!((stacks(&["color.exr", "albedo.exr", "normal.exr"]), stacks(&["a.exr", "b.exr"])), (1, 2));
         let sources = [Source::parse("x/a.pfm")];
         assert_eq!(place(Path::new("out"), &sources, "").unwrap(), Path::new("out/a.exr"));
+    }
+
+    #[test]
+    fn folders_may_be_called_anything() {
+        let (output, sources) = (Path::new("p#1/out.####.exr"), [Source::parse("q#2/a.0007.exr")]);
+        assert_eq!(place(output, &sources, "0007").unwrap(), Path::new("p#1/out.0007.exr"));
+        assert!(!has_number(Path::new("p#1/x.exr")) && has_number(output));
+        assert_eq!(place(Path::new("p#1/"), &sources, "").unwrap(), Path::new("p#1/a.0007.exr"));
     }
 }
