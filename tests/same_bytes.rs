@@ -115,6 +115,16 @@ fn a_file_says_which_settings_it_was_made_with() {
     let said = ["b.exr", "c.exr"].map(|file| workplace.must(&format!("info {file}")).stdout());
     assert!(said[0].contains("\"threshold\":3.0") && said[0].contains("\"radius\":4"), "{}", said[0]);
     assert!(said[1].contains("\"threshold\":2.5") && said[1].contains("\"radius\":11"), "{}", said[1]);
+    let mut layers = Layers::read(&workplace.path("a.exr")).unwrap();
+    layers.metadata.as_mut().unwrap()["settings"]["reconstruction"]["spikes"]["threshold"] = (-1.0).into();
+    layers.write(&workplace.path("d.exr")).unwrap();
+    let run = workplace.must("denoise d.exr -o e.exr");
+    assert!(
+        run.stderr().contains("not used, but those of --preset best: --spike-threshold: -1 is"),
+        "{}",
+        run.stderr()
+    );
+    assert!(!workplace.must("denoise d.exr -o e.exr --preset paper").stderr().contains("--spike-threshold"));
 }
 
 #[test]

@@ -75,6 +75,16 @@ impl Settings {
         }
     }
 
+    /// The settings that a file records as [`Self::to_json`] has them.
+    ///
+    /// # Errors
+    /// What is wrong with them: a key that is not known, or a value that its flag would not take.
+    pub fn recorded(settings: &serde_json::Value) -> Result<Self, String> {
+        let settings: Self = serde_json::from_value(settings.clone()).map_err(|error| error.to_string())?;
+        settings.validate().map_err(|error| error.to_string())?;
+        Ok(settings)
+    }
+
     /// All settings as JSON, numbers as short as they can be written.
     pub fn to_json(self) -> serde_json::Value {
         // By way of text: a value made directly would hold each f32 with the digits of an f64.
@@ -108,4 +118,19 @@ fn fast() -> BestSettings {
     best.cascade.levels = 3;
     best.restore.levels = 4;
     best
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn recorded_settings_are_checked_as_flags_are() {
+        let mut fast = Settings::of(Preset::Fast);
+        assert_eq!(Settings::recorded(&fast.to_json()), Ok(fast));
+        fast.reconstruction.best.regression.stride = 0;
+        assert!(Settings::recorded(&fast.to_json()).is_err_and(|why| why.contains("stride: 0 is outside 1..=")));
+        let other = serde_json::json!({ "trace": { "of-another-version": 1 } });
+        assert!(Settings::recorded(&other).is_err_and(|why| why.contains("of-another-version")));
+    }
 }

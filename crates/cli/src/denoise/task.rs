@@ -43,7 +43,7 @@ impl Task<'_> {
     pub fn run(&self, outputs: &Outputs, progress: &Progress) -> Result<Value> {
         let start = Instant::now();
         let survey = survey(&self.inputs, &self.args.reading.options())?;
-        let settings = resolve(self.args, self.matches, survey.header.as_ref())?;
+        let settings = resolve(self.args, self.matches, survey.header.as_ref(), progress)?;
         let then = Afterwards { output: outputs.need_inputs(), guide: self.args.guide.is_some() };
         let plan = |need: Need| {
             let need = need.with_passes(self.args.also.len());
@@ -164,12 +164,20 @@ const EXPECTED: &str = "expected position, albedo, normal, visibility, depth, pr
                         variance or buckets";
 
 /// Settings: those of the preset that was asked for, else those recorded in a file of ours, else the default's; flags
-/// override them.
-fn resolve(args: &DenoiseArgs, matches: &ArgMatches, header: Option<&StackHeader>) -> Result<Settings> {
-    let recorded = || serde_json::from_value::<Settings>(header?.settings.clone()).ok();
-    let mut settings = match args.picture.preset {
-        Some(preset) => Settings::of(preset),
-        None => recorded().unwrap_or_default(),
+/// override them. That recorded ones cannot be used is said.
+fn resolve(
+    args: &DenoiseArgs,
+    matches: &ArgMatches,
+    header: Option<&StackHeader>,
+    progress: &Progress,
+) -> Result<Settings> {
+    let mut settings = match (args.picture.preset, header) {
+        (Some(preset), _) => Settings::of(preset),
+        (None, None) => Settings::default(),
+        (None, Some(header)) => Settings::recorded(&header.settings).unwrap_or_else(|why| {
+            progress.say(&format!("the settings recorded in the file are not used, but those of --preset best: {why}"));
+            Settings::default()
+        }),
     };
     settings.override_by(matches)?;
     Ok(settings)
