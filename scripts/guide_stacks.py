@@ -22,9 +22,9 @@ REFERENCE_SEED = 90001
 
 
 def render(options, scene, output, spp, seed):
-    if not os.path.exists(output):
-        command = [options.tamis, "render", scene, "--size", options.size, "--spp", str(spp), "--seed", str(seed)]
-        subprocess.run([*command, "--uniform", "--no-denoise", "--quiet", "-o", output], check=True)
+    """Renders what is not there; --resume leaves a finished render alone and refuses another scene's, or another size."""
+    command = [options.tamis, "render", scene, "--size", options.size, "--spp", str(spp), "--seed", str(seed)]
+    subprocess.run([*command, "--uniform", "--no-denoise", "--resume", "--quiet", "-o", output], check=True)
 
 
 def render_folders(options, scene):
@@ -35,10 +35,12 @@ def render_folders(options, scene):
         os.makedirs(folder, exist_ok=True)
         render(options, scene, os.path.join(folder, "b0.exr"), spp, options.seed + int(spp))
         for number in (1, 2):
-            whole = os.path.join(options.output, f".{name}-ref{number}.exr")
+            whole = os.path.join(options.output, f".{name}-{options.size}-{options.reference_spp}spp-ref{number}.exr")
             render(options, scene, whole, options.reference_spp, REFERENCE_SEED + number - 1)
             link = os.path.join(folder, f"ref{number}.exr")
-            if not os.path.lexists(link):
+            if os.path.islink(link):
+                os.remove(link)
+            if not os.path.exists(link):
                 os.symlink(os.path.abspath(whole), link)
         yield folder, True
 

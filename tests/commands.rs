@@ -233,6 +233,18 @@ fn methods_are_set_beside_each_other() {
 }
 
 #[test]
+fn a_reference_is_of_the_scene_as_it_is() {
+    let workplace = Workplace::new();
+    let traced = || {
+        let line = "experiment sequences box.obj -o out --size 12x8 --spp 1 --reference-spp 4 --set method=ld";
+        workplace.must(line).stderr().contains("box: reference of 4 spp")
+    };
+    assert_eq!([traced(), traced()], [true, false], "it is kept");
+    workplace.write("box.mtl", "newmtl white\nKd .5 .5 .5\nnewmtl red\nKd .6 .1 .1\nnewmtl lamp\nKe 12 11 9\n");
+    assert_eq!([traced(), traced()], [true, false], "a scene that was edited has another");
+}
+
+#[test]
 fn figures_are_made_of_scenes_and_of_buckets() {
     let workplace = Workplace::new();
     let line = "experiment figures box.obj -o out --size 20x16 --spp 4,8 --reference-spp 32 --quiet";

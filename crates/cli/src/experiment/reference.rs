@@ -3,14 +3,15 @@
 use std::path::Path;
 
 use anyhow::Result;
-use stack::file::{Carried, ResultLayer, StackHeader, read_stack, write_stack};
+use serde_json::Value;
+use stack::file::{Carried, ResultLayer, StackHeader, read_render, read_stack, write_stack};
+use stack::merge::first_difference;
 use stack::{FeatureStack, Image};
-use tracer::film::Film;
 
 use crate::args::ExperimentArgs;
 use crate::experiment::scenes::Stage;
 use crate::progress::Progress;
-use crate::render::{Budget, Sampling, trace_adaptively};
+use crate::render::{Budget, record_of, view_of};
 use crate::settings::Settings;
 
 /// Seeds of the first and of the second reference, far from those of pictures.
@@ -51,38 +52,46 @@ pub fn reference_stacks(args: &ExperimentArgs, stage: &Stage, progress: &Progres
 fn converged(args: &ExperimentArgs, stage: &Stage, which: usize, progress: &Progress) -> Result<FeatureStack> {
     let (size, spp) = (stage.camera.film, args.reference_spp);
     let file = args.output.join(format!("{}-{size}-{spp}spp-reference{}.exr", stage.name, which + 1));
-    if !file.exists() {
-        progress.say(&format!("{}: reference of {spp} spp", stage.name));
-        trace(stage, &file, (SEEDS[which], spp), progress)?;
+    let settings = settings(SEEDS[which]);
+    let shown = view_of(&stage.view, &settings);
+    if let Some(kept) = kept(&file, &shown) {
+        return Ok(kept);
     }
+    progress.say(&format!("{}: reference of {spp} spp", stage.name));
+    trace(stage, &file, (&settings, spp), shown, progress)?;
     Ok(read_stack(&file)?.stack)
 }
 
-fn trace(stage: &Stage, file: &Path, (seed, spp): (u64, u32), progress: &Progress) -> Result<()> {
+/// What an earlier run has left in `file`, if it shows the same: a scene of that name may have been edited since, or be another.
+fn kept(file: &Path, shown: &Value) -> Option<FeatureStack> {
+    let (read, record) = read_render(file).ok()?;
+    first_difference(shown, &record.view).is_none().then_some(read.stack)
+}
+
+/// The default's, with one sequence.
+fn settings(seed: u64) -> Settings {
     let mut settings = Settings::default();
     settings.trace.seed = seed;
     (settings.trace.sequences, settings.trace.buckets) = (1, 1);
-    let film = Film::new(stack::Window::whole(stage.camera.film), stage.camera.film, &settings.trace);
-    let sampling = Sampling {
-        scene: &stage.view.scene,
-        camera: &stage.camera,
-        settings: &settings,
-        progress,
-        preview: None,
-        checkpoint: None,
-    };
-    let finished = trace_adaptively(&sampling, film, &Budget::uniform(spp), false)?;
-    if finished.interrupted {
-        return Err(stack::Cancelled.into());
-    }
-    let picture = finished.picture();
+    settings
+}
+
+fn trace(
+    stage: &Stage,
+    file: &Path,
+    (settings, spp): (&Settings, u32),
+    shown: Value,
+    progress: &Progress,
+) -> Result<()> {
+    let finished = stage.render(settings, &Budget::uniform(spp), false, progress)?;
+    let (picture, counts) = (finished.picture(), &finished.stack.samples);
     let header = StackHeader {
         first: 0,
         sequences: 1,
         buckets: 1,
         per_bucket: None,
         settings: settings.to_json(),
-        record: None,
+        record: Some(record_of(&shown, settings.trace.seed, counts)),
     };
     let result = ResultLayer { name: "", channels: &["R", "G", "B"], planes: picture.channels() };
     Ok(write_stack(file, &finished.stack, true, &header, &[result], &Carried::default())?)

@@ -30,6 +30,7 @@ use crate::stdout::print_line;
 pub use adaptive_loop::{Budget, Finished, Sampling, trace_adaptively};
 use checkpoint::Checkpoint;
 pub use plan::Plan;
+pub use record::{record_of, view_of};
 use resume::Begun;
 use tev::Preview;
 use view::open;
