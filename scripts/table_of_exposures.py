@@ -17,7 +17,7 @@ import OpenEXR
 from measuring import report_of, run
 
 # First parts of the names of layers that hold light.
-LIGHT = {"RGB", "R", "G", "B", "noisy", "emission", "indirect"}
+LIGHT = {"RGB", "R", "G", "B", "noisy", "emission", "indirect", "gathered"}
 
 
 def scale(source, factor, output):

@@ -4,6 +4,7 @@ use anyhow::Result;
 use reconstruct::spikes::{SpikeSettings, remove_spikes};
 use stack::{Image, Knobs, Size};
 
+use crate::failure::usage;
 use crate::progress::Progress;
 use crate::table::Table;
 
@@ -34,9 +35,7 @@ pub fn run(progress: &Progress) -> Result<Vec<Table>> {
     for (name, flags) in VARIANTS {
         let mut settings = SpikeSettings::DEFAULT;
         for (flag, value) in flags {
-            if let Some(outcome) = settings.set(flag, value) {
-                outcome?;
-            }
+            settings.set(flag, value).ok_or_else(|| usage(format!("no setting of spikes is called {flag}")))??;
         }
         let mut row = vec![name.to_string()];
         for sigmas in [10.0, 20.0, 40.0, 80.0] {

@@ -9,6 +9,7 @@ use stack::{FeatureStack, Image, Window};
 use tracer::camera::Camera;
 use tracer::film::Film;
 
+use super::case::judged_by;
 use super::geometric_mean::{geometric_mean, mean};
 use super::reference::references;
 use crate::args::ExperimentArgs;
@@ -116,8 +117,7 @@ fn judge_seeds(
         if seed == 0 {
             write_png(&args.output.join(format!("{}-{spp}-{name}.png", stage.name)), &picture, exposure(truth))?;
         }
-        let reference = Reference { second: Some(&truth[1]), ..Reference::new(&truth[0]) };
-        let comparison = compare(&picture, &reference).unwrap_or_default();
+        let comparison = judged_by(&picture, truth)?;
         let estimated = finished.rounds.last().and_then(|round| round.estimated_rmse);
         found.push(Judged { seconds, comparison, estimated, spread: spread(&finished) });
     }
@@ -131,8 +131,11 @@ fn spread(finished: &Finished) -> f64 {
 }
 
 /// Measures `picture` against one reference.
-pub fn judge(picture: &Image, truth: &Image) -> Comparison {
-    compare(picture, &Reference::new(truth)).unwrap_or_default()
+///
+/// # Errors
+/// When sizes differ.
+pub fn judge(picture: &Image, truth: &Image) -> Result<Comparison> {
+    Ok(compare(picture, &Reference::new(truth))?)
 }
 
 fn exposure(truth: &[Image; 2]) -> f32 {

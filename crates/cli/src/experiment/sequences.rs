@@ -53,8 +53,8 @@ fn errors(
         settings.trace.sequences = sequences;
         let uniform = stage.render(&settings, &Budget::uniform(spp), true, progress)?;
         let adaptive = stage.render(&settings, &Budget { uniform: false, ..Budget::uniform(spp) }, true, progress)?;
-        let noisy = judge(&uniform.stack.beauty(), truth);
-        let (uniform, adaptive) = (judge(&uniform.picture(), truth), judge(&adaptive.picture(), truth));
+        let noisy = judge(&uniform.stack.beauty(), truth)?;
+        let (uniform, adaptive) = (judge(&uniform.picture(), truth)?, judge(&adaptive.picture(), truth)?);
         let found = [noisy.rmse, uniform.rmse, adaptive.rmse, adaptive.rmse_trimmed];
         for (sum, error) in sums.iter_mut().zip(found) {
             *sum += error.unwrap_or(f64::NAN) / SEEDS as f64;
