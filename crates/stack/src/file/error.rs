@@ -114,6 +114,21 @@ pub enum FileError {
         /// Size of `path`.
         found: Size,
     },
+    /// Two files that belong together show different parts of the picture.
+    #[error(
+        "{path}: expected pixels from {},{} on as in {like}, found some from {},{} on; give crops of the same place",
+        expected[0], expected[1], found[0], found[1]
+    )]
+    PlaceDiffers {
+        /// The file that differs.
+        path: PathBuf,
+        /// The file it should agree with.
+        like: PathBuf,
+        /// Column and row of `like`'s first pixel.
+        expected: [i32; 2],
+        /// Column and row of `path`'s first pixel.
+        found: [i32; 2],
+    },
     /// Two buckets hold the very same noise, so they are no independent measurements.
     #[error("{first} and {second} hold identical noise; buckets must be independent renders (use another seed)")]
     SameNoise {

@@ -48,6 +48,7 @@ mod renderer_tests;
 mod role;
 #[cfg(test)]
 mod round_trip;
+mod same_window;
 mod slices;
 mod slot_names;
 mod sources;

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use super::found::Found;
 use super::loaded::{Loaded, ReadOptions, load};
 use super::own::{header_of, is_own, load_own, read_own};
+use super::same_window::check_window;
 use super::slices::read_slices;
 use super::sources::{Open, Source, read_sources};
 use super::together::{alone, several};
@@ -105,26 +106,17 @@ fn load_renders(paths: &[PathBuf], options: &ReadOptions, open: Open<'_>) -> Res
     for (nth, path) in paths.iter().enumerate() {
         let layers = open(path)?;
         let mut render = if is_own(&layers) { load_own(layers) } else { load(layers, options, nth, true)? };
-        if let Some(first) = renders.first() {
-            check_size(&render.rest, &first.rest)?;
+        for before in &renders {
+            let [now, before] = [&render.rest, &before.rest].map(|layers| (&*layers.path, layers.window));
+            check_window(now, before)?;
+        }
+        if !renders.is_empty() {
             // Only the first one's are carried along: the others' would take as much memory again.
             render.rest.channels = Vec::new();
         }
         renders.push(render);
     }
     Ok(renders)
-}
-
-fn check_size(layers: &Layers, like: &Layers) -> Result<(), FileError> {
-    if like.window.size == layers.window.size {
-        return Ok(());
-    }
-    Err(FileError::SizeDiffers {
-        path: layers.path.clone(),
-        like: like.path.clone(),
-        expected: like.window.size,
-        found: layers.window.size,
-    })
 }
 
 /// Two renders as halves. What only `features` has is taken from there.
@@ -135,16 +127,13 @@ fn read_halves(
     open: Open<'_>,
 ) -> Result<ReadStack, FileError> {
     let renders = load_renders(halves, options, open)?;
-    let first_size = renders[0].rest.window.size;
+    let window = renders[0].rest.window;
     let mut read = several(renders, halves, &options.spp, true)?;
     if features.is_empty() {
         return Ok(read);
     }
     let mut more = read_files(features, &ReadOptions { spp: Vec::new(), ..options.clone() }, open)?;
-    if more.stack.size() != first_size {
-        let (path, like) = (features[0].path.clone(), halves[0].clone());
-        return Err(FileError::SizeDiffers { path, like, expected: first_size, found: more.stack.size() });
-    }
+    check_window((&features[0].path, more.stack.window), (&halves[0], window))?;
     more.stack.features.retain(|feature| read.stack.feature(feature.role).is_none());
     for feature in &more.stack.features {
         let found = more.found.roles.iter().find(|found| found.role == feature.role.layer());

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::recognise::Mapping;
 use super::role::{Measure, Role, Slot};
+use super::same_window::check_window;
 use super::slot_names::slot_of;
 use super::{FileError, Layers};
 
@@ -95,10 +96,7 @@ pub fn read_sources(sources: &[Source], open: Open<'_>) -> Result<(Layers, Vec<M
 }
 
 fn append(whole: &mut Layers, layers: Layers) -> Result<(), FileError> {
-    if layers.window.size != whole.window.size {
-        let (expected, found) = (whole.window.size, layers.window.size);
-        return Err(FileError::SizeDiffers { path: layers.path, like: whole.path.clone(), expected, found });
-    }
+    check_window((&layers.path, layers.window), (&whole.path, whole.window))?;
     let names: HashSet<String> = whole.channels.iter().map(|channel| channel.name.clone()).collect();
     if let Some(twice) = layers.channels.iter().find(|channel| names.contains(&channel.name)) {
         let file = layers.path.display();
