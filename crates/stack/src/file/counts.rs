@@ -39,7 +39,7 @@ impl Spp {
 }
 
 /// Takes the sample counts out of `layers`: `given` on the command line, else a layer of counts, else an attribute. A layer
-/// of fractions (Cycles) counts with the number that says what 1 is.
+/// of fractions (Cycles) counts with the number that says what 1 is; where nothing does, and another wrote it, 1 everywhere is one sample.
 pub fn take_spp(layers: &mut Layers, recognised: &Recognised, given: Option<u32>) -> Option<Spp> {
     let pixels = layers.window.size.pixels();
     let number = given.map(|n| (f64::from(n), "--spp".to_string())).or_else(|| attribute(layers, recognised));
@@ -51,6 +51,9 @@ pub fn take_spp(layers: &mut Layers, recognised: &Recognised, given: Option<u32>
             Some(Spp { total: rounded(&plane, number), from: format!("{} × {from}", layer()) })
         }
         (Some(plane), _) if !is_fraction && given.is_none() => Some(Spp { total: rounded(&plane, 1.0), from: layer() }),
+        (Some(plane), None) if recognised.renderer.name != "Cycles" && plane.iter().all(|v| *v == 1.0) => {
+            Some(Spp { total: rounded(&plane, 1.0), from: layer() })
+        }
         (_, Some((number, from))) => Some(Spp { total: vec![number.round().max(1.0) as u32; pixels], from }),
         (_, None) => None,
     }

@@ -195,6 +195,18 @@ fn cycles_in_parts_is_not_named_twice_and_its_counts_are_fractions() {
 }
 
 #[test]
+fn one_sample_everywhere_is_a_count_unless_its_renderer_writes_fractions() {
+    let folder = Files::new();
+    let spp = |colour: [&str; 3], count: &str| {
+        let values = |name: &str, pixel: usize| if name == count { 1.0 } else { noise(name, pixel) };
+        read(&folder.exr("a.exr", &[&colour[..], &[count]].concat(), &values, &[])).found.spp.map(|spp| spp.max)
+    };
+    assert_eq!(spp(["R", "G", "B"], "samples.Y"), Some(1));
+    let cycles = ["Noisy Image.R", "Noisy Image.G", "Noisy Image.B"];
+    assert_eq!(spp(cycles, "Debug Sample Count.X"), None);
+}
+
+#[test]
 fn two_view_layers_are_a_question_that_one_answer_settles() {
     let folder = Files::new();
     let layers: Vec<String> = ["One.Combined", "Two.Combined"].iter().flat_map(|l| triples(&[l], "RGB")).collect();
