@@ -82,7 +82,8 @@ impl Pass {
         Image::from_channels(stack.size(), self.channels.map(plane).into())
     }
 
-    /// Puts `image` in its place, as the type of number that was there.
+    /// Puts `image` in its place, as the type of number that was there; what is too large for half precision becomes the
+    /// largest half, and not infinite.
     ///
     /// # Panics
     /// As [`Self::image`].
@@ -90,11 +91,17 @@ impl Pass {
         for (channel, plane) in self.channels.iter().zip(image.into_channels()) {
             let samples = &mut stack.passthrough[*channel].samples;
             *samples = match samples {
-                FlatSamples::F16(_) => FlatSamples::F16(plane.into_iter().map(f16::from_f32).collect()),
+                FlatSamples::F16(_) => FlatSamples::F16(plane.into_iter().map(nearest_half).collect()),
                 _ => FlatSamples::F32(plane),
             };
         }
     }
+}
+
+/// The half that is nearest to `value`, infinite only if that is.
+fn nearest_half(value: f32) -> f16 {
+    let most = f16::MAX.to_f32();
+    f16::from_f32(if value.is_finite() { value.clamp(-most, most) } else { value })
 }
 
 /// Where the colours of a layer are, when it has them as floating-point numbers.
@@ -145,6 +152,8 @@ mod tests {
         pass.replace(&mut stack, Image::from_channels(Size::new(2, 1), vec![vec![0.5; 2]; 3]));
         assert_eq!(pass.image(&stack).rgb(0), [0.5; 3]);
         assert!(matches!(stack.passthrough[0].samples, FlatSamples::F16(_)));
+        pass.replace(&mut stack, Image::from_channels(Size::new(2, 1), vec![vec![7e4, -1e30]; 3]));
+        assert_eq!([0, 1].map(|pixel| pass.image(&stack).rgb(pixel)[0]), [65504.0, -65504.0]);
         assert_eq!(Pass::find(&stack, "Other.Group").unwrap().image(&stack).rgb(0), [3.0; 3]);
     }
 
