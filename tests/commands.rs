@@ -465,7 +465,9 @@ fn bench_measures_every_step_and_sets_an_earlier_run_beside() {
         let run = workplace.tamis(&format!("{bench} --against {file} --max-loss 0.5"));
         assert_eq!(run.code(), Some(code), "{file}: {}", run.stderr());
     }
-    for wrong in ["--against box.obj", "--against slow.json --max-loss 1", "--max-loss 0.1", "--rounds 0"] {
+    for wrong in
+        ["--against box.obj", "--against gone.json", "--against slow.json --max-loss 1", "--max-loss 0.1", "--rounds 0"]
+    {
         assert_eq!(workplace.tamis(&format!("bench --spp 1 {wrong}")).code(), Some(2), "{wrong}");
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use serde_json::Value;
 
 use super::measures::Measures;
@@ -18,7 +18,8 @@ impl Earlier {
     /// # Errors
     /// When the file cannot be read or holds something else.
     pub fn read(file: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(file).with_context(|| format!("{}: cannot be read", file.display()))?;
+        let text = std::fs::read_to_string(file)
+            .map_err(|error| usage(format!("--against {}: cannot be read: {error}", file.display())))?;
         Self::parse(&text).ok_or_else(|| {
             usage(format!(
                 "--against {}: expected what tamis bench --json prints, found something else",

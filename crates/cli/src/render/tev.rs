@@ -32,7 +32,8 @@ impl Preview {
     /// When nothing listens there.
     pub fn open(address: &Address, name: &str, size: Size) -> Result<Self> {
         let nobody = || usage(format!("--tev: nothing listens at {}; start tev first", address.0));
-        let mut all = address.0.to_socket_addrs().with_context(|| format!("--tev {}: no such host", address.0))?;
+        let unknown = |error| usage(format!("--tev {}: no such host: {error}", address.0));
+        let mut all = address.0.to_socket_addrs().map_err(unknown)?;
         let mut viewer =
             all.find_map(|address| TcpStream::connect_timeout(&address, PATIENCE).ok()).ok_or_else(nobody)?;
         viewer.set_write_timeout(Some(PATIENCE))?;
@@ -157,5 +158,7 @@ mod tests {
         assert!(preview.viewer.lock().unwrap().is_none());
         let refused = Preview::open(&address, "a", Size::new(2, 1)).err().unwrap();
         assert!(refused.to_string().ends_with("start tev first"), "{refused}");
+        let refused = Preview::open(&Address("no such host:1".into()), "a", Size::new(2, 1)).err().unwrap();
+        assert!(refused.is::<crate::failure::UsageError>(), "{refused}");
     }
 }
