@@ -19,7 +19,7 @@ use crate::mask::read_mask;
 use crate::stdout::print_line;
 use page::{Page, Shown, check_page};
 use reduced::Scale;
-use table::Table;
+use table::MeasureTable;
 
 /// Runs the command.
 pub fn run(args: &CompareArgs) -> Result<Verdict> {
@@ -45,7 +45,7 @@ pub fn run(args: &CompareArgs) -> Result<Verdict> {
         // Only what the page needs of it is kept while the next is read.
         shown.extend(scale.map(|scale| Shown::new(file, &image, &record, scale)).transpose()?);
     }
-    let table = Table::of(&measured);
+    let table = MeasureTable::of(&measured);
     if args.json {
         print_line(report(args, &measured))?;
     } else {

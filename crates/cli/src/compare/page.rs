@@ -14,7 +14,7 @@ use stack::file::{FileError, Record, check_writable, extension, write_atomically
 use super::encoded_picture::{EncodedPicture, STEPS_PER_OCTAVE, encode, encode_judged};
 use super::reduced::Scale;
 use super::settings_found::settings_found;
-use super::table::Table;
+use super::table::MeasureTable;
 use crate::args::CompareArgs;
 use crate::failure::usage;
 
@@ -73,7 +73,7 @@ pub struct Page<'a> {
     /// The second reference.
     pub second: Option<Shown>,
     /// Their measures.
-    pub table: Table,
+    pub table: MeasureTable,
 }
 
 impl Page<'_> {

@@ -9,14 +9,14 @@ use serde_json::{Value, json};
 
 /// A column for each measure that was taken for any image, a row for each image.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Table {
+pub struct MeasureTable {
     /// Names of the measures.
     pub head: Vec<String>,
     /// Files, and a cell for each measure.
     pub rows: Vec<(String, Vec<String>)>,
 }
 
-impl Table {
+impl MeasureTable {
     /// The table of what was measured.
     pub fn of(measured: &[(&Path, Comparison)]) -> Self {
         let rows: Vec<(String, Measures)> =
@@ -29,7 +29,7 @@ impl Table {
     }
 }
 
-impl fmt::Display for Table {
+impl fmt::Display for MeasureTable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let width = self.rows.iter().map(|(file, _)| file.len()).max().unwrap_or(0);
         let line = |cells: &[String]| cells.iter().map(|cell| format!("  {cell:>18}")).collect::<String>();
@@ -64,7 +64,7 @@ mod tests {
     fn measures_that_nobody_took_have_no_column() {
         let some = Comparison { rmse: Some(0.5), mse: Some(1e-9), ..Comparison::default() };
         let none = Comparison { nan_pixels: 3, ..Comparison::default() };
-        let table = Table::of(&[(Path::new("a.exr"), some), (Path::new("long.exr"), none)]);
+        let table = MeasureTable::of(&[(Path::new("a.exr"), some), (Path::new("long.exr"), none)]);
         assert_eq!(table.head, ["rmse", "mse", "nan_pixels"]);
         assert_eq!(table.rows[0].1, ["0.5000", "1.0000e-9", "0.0000"]);
         let text = table.to_string();

@@ -40,7 +40,7 @@ fn page_of(names: &[&str], mask: Option<&[bool]>, record: &Record) -> (String, V
     let measured: Vec<_> = args.images.iter().zip(&pictures[1..]).collect();
     let measured: Vec<_> =
         measured.iter().map(|(file, picture)| (file.as_path(), compare(picture, &reference).unwrap())).collect();
-    let table = Table::of(&measured);
+    let table = MeasureTable::of(&measured);
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("page.html");
     Page { args: &args, reference, scale, first, shown, second: None, table }.write(&file).unwrap();
@@ -93,7 +93,7 @@ fn the_page_has_the_numbers_of_the_table() {
     let (page, pictures, _) = page_of(&["a.exr", "b.exr"], None, &Record::default());
     let measured = [("a.exr", 1), ("b.exr", 2)]
         .map(|(name, i)| (Path::new(name), compare(&pictures[i], &Reference::new(&pictures[0])).unwrap()));
-    assert_eq!(data(&page)["table"], json!(Table::of(&measured)));
+    assert_eq!(data(&page)["table"], json!(MeasureTable::of(&measured)));
 }
 
 #[test]
