@@ -21,9 +21,11 @@ mod output;
 mod plan;
 mod progress;
 mod render;
+mod report;
 mod settings;
 mod stdout;
 mod table;
+mod threads;
 
 use std::process::ExitCode;
 

@@ -12,9 +12,10 @@ use stack::file::{Inputs, Source, is_one_stack};
 use super::task::Task;
 use crate::args::{DenoiseArgs, OutputArgs, ReportArgs};
 use crate::failure::{Verdict, usage};
+use crate::interrupt;
 use crate::progress::Progress;
 use crate::stdout::print_line;
-use crate::{interrupt, render};
+use crate::threads::start_threads;
 
 /// One picture of many.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -145,7 +146,7 @@ fn place(output: &Path, sources: &[Source], number: &str) -> Result<PathBuf> {
 /// # Errors
 /// When the machine refuses threads or the user interrupts; a bad picture is none.
 pub fn run(args: &DenoiseArgs, matches: &ArgMatches, jobs: &[Job]) -> Result<Verdict> {
-    render::start_threads(&args.report)?;
+    start_threads(&args.report)?;
     interrupt::listen();
     let speaker = Progress::new(&args.report);
     let (mut reports, mut failed) = (Vec::new(), Vec::new());

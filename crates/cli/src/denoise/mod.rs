@@ -9,9 +9,10 @@ use stack::file::{Inputs, Source};
 
 use crate::args::DenoiseArgs;
 use crate::failure::{Verdict, usage};
+use crate::interrupt;
 use crate::progress::Progress;
 use crate::stdout::print_line;
-use crate::{interrupt, render};
+use crate::threads::start_threads;
 use task::Task;
 
 /// Runs the command.
@@ -35,7 +36,7 @@ pub fn run(args: &DenoiseArgs, matches: &ArgMatches) -> Result<Verdict> {
 pub fn run_one(args: &DenoiseArgs, matches: &ArgMatches, inputs: Inputs) -> Result<Verdict> {
     let task = Task { args, matches, inputs, output: args.output.clone() };
     let outputs = task.prepare()?;
-    render::start_threads(&args.report)?;
+    start_threads(&args.report)?;
     interrupt::listen();
     let report = task.run(&outputs, &Progress::new(&args.report))?;
     if args.report.json {

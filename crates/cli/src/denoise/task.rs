@@ -15,8 +15,7 @@ use crate::guide::{Followed, Guide};
 use crate::memory::{self, Afterwards, Need, Plan};
 use crate::output::{Outputs, Written};
 use crate::progress::Progress;
-use crate::render;
-use crate::render::report::mean_radiance;
+use crate::report::{self, mean_radiance};
 use crate::settings::Settings;
 
 /// One stack to denoise.
@@ -221,11 +220,11 @@ impl Outcome<'_> {
             "found": self.found,
             "spp": self.found.spp.as_ref().map(|spp| json!({"mean": spp.mean, "min": spp.min, "max": spp.max})),
             "seconds": self.seconds.iter().map(|(name, s)| (name.to_string(), json!(s))).collect::<serde_json::Map<_, _>>(),
-            "stages": render::report::stages(progress),
-            "lacks": render::report::lacks(self.written),
+            "stages": report::stages(progress),
+            "lacks": report::lacks(self.written),
             "guide": self.guide.map(Followed::json),
-            "estimated_rmse": render::report::estimated_rmse(self.written),
-            "energy": render::report::energy(self.noisy, self.written.picture),
+            "estimated_rmse": report::estimated_rmse(self.written),
+            "energy": report::energy(self.noisy, self.written.picture),
             "peak_bytes": memory::peak_bytes(),
             "settings": self.settings.to_json(),
         })

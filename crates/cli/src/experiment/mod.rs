@@ -23,9 +23,10 @@ use clap::ValueEnum;
 
 use crate::args::ExperimentArgs;
 use crate::failure::{Verdict, usage};
+use crate::interrupt;
 use crate::progress::Progress;
 use crate::stdout::print_line;
-use crate::{interrupt, render};
+use crate::threads::start_threads;
 use name::Experiment;
 
 /// Runs the command.
@@ -33,7 +34,7 @@ pub fn run(args: &ExperimentArgs) -> Result<Verdict> {
     if args.inputs.is_empty() && args.name.needs_inputs() {
         return Err(usage("this experiment needs inputs; tamis help experiment says which"));
     }
-    render::start_threads(&args.report)?;
+    start_threads(&args.report)?;
     interrupt::listen();
     std::fs::create_dir_all(&args.output)
         .with_context(|| format!("{}: cannot make the folder", args.output.display()))?;

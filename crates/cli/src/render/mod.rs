@@ -4,7 +4,7 @@ mod adaptive_loop;
 mod checkpoint;
 mod plan;
 mod record;
-pub mod report;
+mod report;
 mod resume;
 mod tev;
 mod time_left;
@@ -13,19 +13,21 @@ mod view;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Context, Result};
+use anyhow::Result;
 use clap::ArgMatches;
 use serde_json::Value;
 use stack::file::{Carried, StackHeader, extension};
 use stack::{FeatureStack, Image, SampleCounts};
 use tracer::film::Film;
 
-use crate::args::{RenderArgs, ReportArgs};
+use crate::args::RenderArgs;
 use crate::failure::{Verdict, usage};
 use crate::interrupt;
 use crate::output::{Outputs, Written};
 use crate::progress::Progress;
+use crate::report::estimated_rmse;
 use crate::stdout::print_line;
+use crate::threads::start_threads;
 
 pub use adaptive_loop::{Budget, Finished, Sampling, trace_adaptively};
 use checkpoint::Checkpoint;
@@ -103,20 +105,6 @@ pub fn run(args: &RenderArgs, matches: &ArgMatches) -> Result<Verdict> {
         print_line(report::render(&outputs, &written, &plan, &finished, &clock, &progress, &view))?;
     }
     Ok(if finished.missed_target { Verdict::No } else { Verdict::Done })
-}
-
-/// Starts the worker threads that were asked for.
-///
-/// # Errors
-/// When the machine refuses them.
-pub fn start_threads(report: &ReportArgs) -> Result<()> {
-    if let Some(threads) = report.threads {
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(usize::from(threads))
-            .build_global()
-            .context("cannot start the worker threads")?;
-    }
-    Ok(())
 }
 
 fn header(plan: &Plan, shown: &Value, counts: &SampleCounts) -> StackHeader {
@@ -203,7 +191,7 @@ fn first_name(outputs: &Outputs, scene: &Path) -> String {
 
 fn say_what_was_done(progress: &Progress, finished: &Finished, written: &Written<'_>, seconds: f64) {
     let (mean, min, max) = written.stack.samples.mean_min_max();
-    let error = report::estimated_rmse(written).map_or(String::new(), |e| format!(", estimated relative MSE {e:.2e}"));
+    let error = estimated_rmse(written).map_or(String::new(), |e| format!(", estimated relative MSE {e:.2e}"));
     progress.say(&format!("{mean:.1} spp ({min} to {max}){error}"));
     if finished.not_finite > 0 {
         progress.say(&format!("{} samples were not finite and count as zero", finished.not_finite));

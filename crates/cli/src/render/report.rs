@@ -1,14 +1,13 @@
-//! The JSON that `render` and `denoise` print.
+//! The JSON that `render` prints.
 
-use reconstruct::adaptive::estimated_rmse as relative_mse;
-use serde_json::{Map, Value, json};
-use stack::Image;
+use serde_json::{Value, json};
 use tracer::scene::Scene;
 
 use super::{Finished, Plan, View};
 use crate::memory;
 use crate::output::{Outputs, Written};
 use crate::progress::Progress;
+use crate::report::{energy, estimated_rmse, mean_radiance, stages};
 
 /// Seconds of the steps that are no stage of the loop.
 pub struct Clock {
@@ -16,11 +15,6 @@ pub struct Clock {
     pub build: f64,
     pub write: f64,
     pub total: f64,
-}
-
-/// What the stack lacked and what was used in its stead, a line each.
-pub fn lacks(written: &Written<'_>) -> Vec<String> {
-    written.reconstruction.iter().flat_map(|found| &found.lacks).map(ToString::to_string).collect()
 }
 
 /// The object `render --json` prints. Unknown values are `null`.
@@ -76,26 +70,4 @@ fn triangles(scene: &Scene) -> Value {
         "total": scene.triangles(), "stored": scene.stored_triangles(),
         "degenerate": dropped.degenerate, "not_finite": dropped.not_finite,
     })
-}
-
-/// Seconds per stage of the reconstruction.
-pub fn stages(progress: &Progress) -> Value {
-    let stages = progress.stage_seconds().into_iter().filter(|(name, _)| *name != "trace");
-    Value::Object(stages.map(|(name, seconds)| (name.to_string(), json!(seconds))).collect::<Map<_, _>>())
-}
-
-/// Estimated relative MSE of the picture, when it was reconstructed.
-pub fn estimated_rmse(written: &Written<'_>) -> Option<f64> {
-    written.reconstruction.map(|r| relative_mse(&r.mse, &r.picture))
-}
-
-/// Mean radiance of the noisy picture and of the result.
-pub fn energy(noisy: f64, result: &Image) -> Value {
-    json!({"noisy": noisy, "result": mean_radiance(result)})
-}
-
-/// Mean of all values.
-pub fn mean_radiance(image: &Image) -> f64 {
-    let sum: f64 = image.channels().iter().flatten().map(|v| f64::from(*v)).sum();
-    sum / (3 * image.pixels()) as f64
 }
