@@ -49,8 +49,8 @@ impl Task {
     pub fn report(&self) -> Option<&ReportArgs> {
         match self {
             Self::Render(args) => Some(&args.report),
-            Self::Denoise(args) => Some(&args.report),
-            Self::Merge(args) => Some(&args.report),
+            Self::Denoise(args) => Some(&args.rebuild.report),
+            Self::Merge(args) => Some(&args.rebuild.report),
             Self::Plan(args) => Some(&args.render.report),
             Self::Experiment(args) => Some(&args.report),
             Self::Bench(args) => Some(&args.report),
@@ -239,7 +239,22 @@ fn mapping(text: &str) -> Result<Mapping, String> {
     Ok((role.parse()?, layer.to_string()))
 }
 
-#[derive(Debug, Default, Args)]
+/// How a stack that is there is reconstructed, and where its picture goes.
+#[derive(Debug, Args)]
+pub struct RebuildArgs {
+    /// Take no more memory than this, as in 800M or 24G: at the price of time, the picture stays the same. Three quarters
+    /// of the machine's when not given.
+    #[arg(long, value_name = "SIZE")]
+    pub max_memory: Option<Bytes>,
+    #[command(flatten)]
+    pub picture: PictureArgs,
+    #[command(flatten)]
+    pub output: OutputArgs,
+    #[command(flatten)]
+    pub report: ReportArgs,
+}
+
+#[derive(Debug, Args)]
 pub struct DenoiseArgs {
     /// One stack: an .exr with layers, or several files whose names say what they are, or ROLE=FILE. With a folder or a
     /// name with #### as output, several stacks; #### in a name stands for the number of a frame.
@@ -270,16 +285,8 @@ pub struct DenoiseArgs {
     /// of the picture, so that they still add up to it, and written under their own names.
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub also: Vec<String>,
-    /// Take no more memory than this, as in 800M or 24G: at the price of time, the picture stays the same. Three quarters
-    /// of the machine's when not given.
-    #[arg(long, value_name = "SIZE")]
-    pub max_memory: Option<Bytes>,
     #[command(flatten)]
-    pub picture: PictureArgs,
-    #[command(flatten)]
-    pub output: OutputArgs,
-    #[command(flatten)]
-    pub report: ReportArgs,
+    pub rebuild: RebuildArgs,
 }
 
 #[derive(Debug, Args)]
@@ -288,15 +295,8 @@ pub struct MergeArgs {
     /// seeds. Their order does not matter.
     #[arg(required = true, value_name = "SLICE")]
     pub slices: Vec<PathBuf>,
-    /// Take no more memory than this to reconstruct, as `denoise` does.
-    #[arg(long, value_name = "SIZE")]
-    pub max_memory: Option<Bytes>,
     #[command(flatten)]
-    pub picture: PictureArgs,
-    #[command(flatten)]
-    pub output: OutputArgs,
-    #[command(flatten)]
-    pub report: ReportArgs,
+    pub rebuild: RebuildArgs,
 }
 
 #[derive(Debug, Args)]

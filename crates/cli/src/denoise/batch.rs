@@ -9,7 +9,7 @@ use clap::ArgMatches;
 use serde_json::{Value, json};
 use stack::file::{Inputs, Source, is_one_stack};
 
-use super::task::Task;
+use super::task::{Task, Wishes};
 use crate::args::{DenoiseArgs, OutputArgs, ReportArgs};
 use crate::failure::{Verdict, usage};
 use crate::interrupt;
@@ -32,7 +32,7 @@ pub struct Job {
 /// # Errors
 /// When a pattern fits no file, two pictures would be written to one place, or one to where an input is.
 pub fn jobs(args: &DenoiseArgs) -> Result<Option<Vec<Job>>> {
-    let outputs = &args.output.output;
+    let outputs = &args.rebuild.output.output;
     let sources: Vec<Source> = args.input.iter().map(|text| Source::parse(text)).collect();
     let many_out = |path: &PathBuf| is_folder(path) || has_number(path);
     if sources.is_empty() || !(sources.iter().any(is_pattern) || outputs.iter().any(many_out)) {
@@ -146,9 +146,9 @@ fn place(output: &Path, sources: &[Source], number: &str) -> Result<PathBuf> {
 /// # Errors
 /// When the machine refuses threads or the user interrupts; a bad picture is none.
 pub fn run(args: &DenoiseArgs, matches: &ArgMatches, jobs: &[Job]) -> Result<Verdict> {
-    start_threads(&args.report)?;
+    start_threads(&args.rebuild.report)?;
     interrupt::listen();
-    let speaker = Progress::new(&args.report);
+    let speaker = Progress::new(&args.rebuild.report);
     let (mut reports, mut failed) = (Vec::new(), Vec::new());
     for (nth, job) in jobs.iter().enumerate() {
         let place = format!("[{}/{}] {}", nth + 1, jobs.len(), job.outputs[0].display());
@@ -172,7 +172,7 @@ pub fn run(args: &DenoiseArgs, matches: &ArgMatches, jobs: &[Job]) -> Result<Ver
             }
         }
     }
-    if args.report.json {
+    if args.rebuild.report.json {
         print_line(Value::Array(reports))?;
     }
     if failed.is_empty() {
@@ -187,9 +187,11 @@ fn picture(args: &DenoiseArgs, matches: &ArgMatches, job: &Job) -> Result<Value>
         std::fs::create_dir_all(folder).map_err(|e| anyhow::anyhow!("{}: {e}", folder.display()))?;
     }
     let inputs = Inputs::Files(job.sources.clone());
-    let output = OutputArgs { output: job.outputs.clone(), ..args.output.clone() };
-    let task = Task { args, matches, inputs, output };
-    let quiet = ReportArgs { quiet: args.report.quiet || !args.report.verbose, ..args.report.clone() };
+    let rebuild = &args.rebuild;
+    let output = OutputArgs { output: job.outputs.clone(), ..rebuild.output.clone() };
+    let task = Task { rebuild, matches, inputs, output, wishes: Wishes::of(args) };
+    let said = &rebuild.report;
+    let quiet = ReportArgs { quiet: said.quiet || !said.verbose, ..said.clone() };
     task.run(&task.prepare()?, &Progress::new(&quiet))
 }
 

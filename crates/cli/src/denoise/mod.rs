@@ -13,11 +13,11 @@ use crate::interrupt;
 use crate::progress::Progress;
 use crate::stdout::print_line;
 use crate::threads::start_threads;
-use task::Task;
+pub use task::{Task, Wishes};
 
 /// Runs the command.
 pub fn run(args: &DenoiseArgs, matches: &ArgMatches) -> Result<Verdict> {
-    if args.output.output.is_empty() {
+    if args.rebuild.output.output.is_empty() {
         return Err(usage("denoise needs an output file: -o FILE"));
     }
     if let Some(jobs) = batch::jobs(args)? {
@@ -26,20 +26,21 @@ pub fn run(args: &DenoiseArgs, matches: &ArgMatches) -> Result<Verdict> {
         }
         return batch::run(args, matches, &jobs);
     }
-    run_one(args, matches, inputs(args))
+    let (rebuild, output) = (&args.rebuild, args.rebuild.output.clone());
+    run_one(Task { rebuild, matches, inputs: inputs(args), output, wishes: Wishes::of(args) })
 }
 
-/// Reconstructs the one stack in `inputs`.
+/// Reconstructs the one stack of `task`.
 ///
 /// # Errors
 /// When a step fails.
-pub fn run_one(args: &DenoiseArgs, matches: &ArgMatches, inputs: Inputs) -> Result<Verdict> {
-    let task = Task { args, matches, inputs, output: args.output.clone() };
+pub fn run_one(task: Task<'_>) -> Result<Verdict> {
     let outputs = task.prepare()?;
-    start_threads(&args.report)?;
+    let said = &task.rebuild.report;
+    start_threads(said)?;
     interrupt::listen();
-    let report = task.run(&outputs, &Progress::new(&args.report))?;
-    if args.report.json {
+    let report = task.run(&outputs, &Progress::new(said))?;
+    if said.json {
         print_line(report)?;
     }
     Ok(Verdict::Done)

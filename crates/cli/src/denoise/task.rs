@@ -1,29 +1,51 @@
 //! One stack, from its files to what is written.
 
+use std::path::Path;
 use std::time::Instant;
 
 use anyhow::Result;
 use clap::ArgMatches;
 use reconstruct::{Extras, Reconstruction, reconstruct_freeing, reconstruct_with};
 use serde_json::{Value, json};
-use stack::file::{FileError, Found, Inputs, Pass, ReadStack, Role, StackHeader, read_inputs, survey};
+use stack::file::{FileError, Found, Inputs, Pass, ReadOptions, ReadStack, Role, StackHeader, read_inputs, survey};
 use stack::{FeatureStack, Image, Noise};
 
-use crate::args::{DenoiseArgs, OutputArgs};
+use crate::args::{DenoiseArgs, OutputArgs, RebuildArgs};
 use crate::failure::usage;
 use crate::guide::{Followed, Guide};
 use crate::memory::{self, Afterwards, Need, Plan};
 use crate::output::{Outputs, Written};
 use crate::progress::Progress;
 use crate::report::{self, mean_radiance};
-use crate::settings::Settings;
+use crate::settings::{Preset, Settings};
 
 /// One stack to denoise.
 pub struct Task<'a> {
-    pub args: &'a DenoiseArgs,
+    pub rebuild: &'a RebuildArgs,
     pub matches: &'a ArgMatches,
     pub inputs: Inputs,
     pub output: OutputArgs,
+    pub wishes: Wishes<'a>,
+}
+
+/// What `denoise` may be asked for beside, and `merge` is not.
+#[derive(Clone, Debug, Default)]
+pub struct Wishes<'a> {
+    /// What their files are, where these do not say.
+    pub reading: ReadOptions,
+    /// What must be there (`--require`).
+    pub require: &'a [String],
+    /// Another denoiser's picture.
+    pub guide: Option<&'a Path>,
+    /// Layers of light to rebuild, too.
+    pub also: &'a [String],
+}
+
+impl<'a> Wishes<'a> {
+    /// Those of `denoise`.
+    pub fn of(args: &'a DenoiseArgs) -> Self {
+        Self { reading: args.reading.options(), require: &args.require, guide: args.guide.as_deref(), also: &args.also }
+    }
 }
 
 impl Task<'_> {
@@ -41,23 +63,23 @@ impl Task<'_> {
     /// When a step fails, or something that is required is not there.
     pub fn run(&self, outputs: &Outputs, progress: &Progress) -> Result<Value> {
         let start = Instant::now();
-        let survey = survey(&self.inputs, &self.args.reading.options())?;
-        let settings = resolve(self.args, self.matches, survey.header.as_ref(), progress)?;
-        let then = Afterwards { output: outputs.need_inputs(), guide: self.args.guide.is_some() };
+        let survey = survey(&self.inputs, &self.wishes.reading)?;
+        let settings = resolve(self.rebuild.picture.preset, self.matches, survey.header.as_ref(), progress)?;
+        let then = Afterwards { output: outputs.need_inputs(), guide: self.wishes.guide.is_some() };
         let plan = |need: Need| {
-            let need = need.with_passes(self.args.also.len());
-            Plan::new(self.args.max_memory, need, settings.reconstruction.method, then)
+            let need = need.with_passes(self.wishes.also.len());
+            Plan::new(self.rebuild.max_memory, need, settings.reconstruction.method, then)
         };
         // What is too large is refused before a pixel is read.
         plan(Need::from(&survey))?;
         let mut read = self.read()?;
         read.notes.iter().for_each(|note| progress.say(note));
         let loaded = start.elapsed().as_secs_f64();
-        require(self.args, &read)?;
-        let guide = self.args.guide.as_ref().map(|file| Guide::read(file, read.stack.size())).transpose()?;
+        require(self.wishes.require, &read)?;
+        let guide = self.wishes.guide.map(|file| Guide::read(file, read.stack.size())).transpose()?;
         let header = header_of(&read, &settings);
         let noisy = mean_radiance(&read.stack.beauty());
-        let passes = passes(&self.args.also, &read.stack)?;
+        let passes = passes(self.wishes.also, &read.stack)?;
         let plan = plan(Need::from(&read.stack))?;
         let mut reconstruction =
             self.reconstruct(&mut read, noisy, &passes, &settings.reconstruction, (plan, then), progress)?;
@@ -92,7 +114,7 @@ impl Task<'_> {
     }
 
     fn read(&self) -> Result<ReadStack, FileError> {
-        read_inputs(&self.inputs, &self.args.reading.options())
+        read_inputs(&self.inputs, &self.wishes.reading)
     }
 
     /// The picture of `read`, whose mean radiance is `noisy`; output and guide find there what they need.
@@ -138,9 +160,9 @@ fn passes(names: &[String], stack: &FeatureStack) -> Result<Vec<Pass>> {
 }
 
 /// Demands what `--require` lists.
-fn require(args: &DenoiseArgs, read: &ReadStack) -> Result<()> {
+fn require(names: &[String], read: &ReadStack) -> Result<()> {
     let noise = read.stack.components.first().map(|component| &component.radiance.noise);
-    for name in &args.require {
+    for name in names {
         let there = match name.as_str() {
             "noise" => !matches!(noise, Some(Noise::Unknown) | None),
             "variance" => matches!(noise, Some(Noise::VarianceOfMean(_))),
@@ -165,12 +187,12 @@ const EXPECTED: &str = "expected position, albedo, normal, visibility, depth, pr
 /// Settings: those of the preset that was asked for, else those recorded in a file of ours, else the default's; flags
 /// override them. That recorded ones cannot be used is said.
 fn resolve(
-    args: &DenoiseArgs,
+    preset: Option<Preset>,
     matches: &ArgMatches,
     header: Option<&StackHeader>,
     progress: &Progress,
 ) -> Result<Settings> {
-    let mut settings = match (args.picture.preset, header) {
+    let mut settings = match (preset, header) {
         (Some(preset), _) => Settings::of(preset),
         (None, None) => Settings::default(),
         (None, Some(header)) => Settings::recorded(&header.settings).unwrap_or_else(|why| {
