@@ -7,7 +7,7 @@ use clap::ArgMatches;
 use stack::{Knobs, Size, Window};
 use tracer::scene::{RawRender, nearest_name};
 
-use super::adaptive_loop::Budget;
+use super::Budget;
 use crate::args::RenderArgs;
 use crate::failure::usage;
 use crate::options::PictureSize;

@@ -9,7 +9,8 @@ use stack::merge::{Held, Record, first_difference};
 use stack::{Dealing, FeatureStack, Image, SampleCounts};
 use tracer::film::Film;
 
-use super::{Budget, Plan, partial_path};
+use super::partial::partial_path;
+use super::{Budget, Plan};
 use crate::failure::usage;
 use crate::output::Outputs;
 use crate::progress::Progress;
