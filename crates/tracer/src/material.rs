@@ -66,7 +66,7 @@ pub struct SurfaceMaps {
     pub normals: Option<Arc<Texture>>,
     /// Multiplied with the surface's roughness, whose square α is.
     pub roughness: Option<Arc<GreyTexture>>,
-    /// Share of a coated surface that is metal of the base's colour, 0 … 1.
+    /// Share of a coated surface that is a metal of the base's colour, 0 … 1.
     pub metallic: Option<Grey>,
     /// What single scattering by rough glass sends on; found out when first needed.
     glass_albedo: OnceLock<GlassAlbedo>,

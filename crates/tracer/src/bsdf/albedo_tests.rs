@@ -125,14 +125,56 @@ fn coated_surfaces_reflect_what_coat_and_base_share_and_never_more_than_everythi
     for_each_angle_and_roughness(|cosine, alpha| {
         for (diffuse, specular) in [(0.5, 0.04), (1.0, 0.04), (1.0, 0.5), (0.3, 1.0)] {
             let coated =
-                |diffuse| Lobe::Coated(Coated::new(Vec3::splat(diffuse), Vec3::splat(specular), alpha, cosine));
+                |diffuse| Lobe::Coated(Coated::new(Vec3::splat(diffuse), Vec3::splat(specular), 0.0, alpha, cosine));
             let albedo = integrated_albedo(&coated(diffuse), towards(cosine));
             let coat = integrated_albedo(&coated(0.0), towards(cosine));
             let expected = coat + diffuse * (1.0 - coat);
             assert!((albedo - expected).abs() < 4e-3, "{cosine} {alpha} {diffuse} {specular}: {albedo} {expected}");
-            assert!(albedo <= 1.002, "{cosine} {alpha} {diffuse} {specular}: {albedo}");
+            assert!(albedo <= 1.005, "{cosine} {alpha} {diffuse} {specular}: {albedo}");
             let sampled = sampled_albedo(&coated(diffuse), towards(cosine));
             assert!((albedo - sampled).abs() < 4e-3, "{cosine} {alpha} {diffuse} {specular}: {albedo} {sampled}");
         }
+    });
+}
+
+/// The white furnace of what is metal in part: base, coat and metal together lose nothing.
+#[test]
+fn white_surfaces_lose_no_light_however_metallic_they_are() {
+    for_each_angle_and_roughness(|cosine, alpha| {
+        for metallic in [0.0, 0.5, 0.996] {
+            let lobe = Lobe::Coated(Coated::new(Vec3::ONE, Vec3::splat(0.04), metallic, alpha, cosine));
+            let albedo = sampled_albedo(&lobe, towards(cosine));
+            assert!((albedo - 1.0).abs() < 0.01, "{metallic} {alpha} {cosine}: {albedo}");
+        }
+    });
+}
+
+#[test]
+fn a_surface_becomes_metal_without_a_step() {
+    let colour = Vec3::new(0.9, 0.6, 0.3);
+    for_each_angle_and_roughness(|cosine, alpha| {
+        let nearly = Lobe::Coated(Coated::new(colour, Vec3::splat(0.04), 0.9999, alpha, cosine));
+        let outgoing = towards(cosine);
+        // The mirrored direction and one off it.
+        for incoming in [Vec3::new(-outgoing.x, 0.0, outgoing.z), Vec3::new(-0.3, 0.5, 0.66_f32.sqrt())] {
+            let [a, b] = [&nearly, &metal(colour, alpha, cosine)].map(|lobe| lobe.evaluate(outgoing, incoming));
+            assert!((a - b).length() < 0.01 * b.length() + 1e-4, "{alpha} {cosine}: {a} {b}");
+        }
+    });
+}
+
+#[test]
+fn multiple_scattering_in_a_common_coat_hardly_shows() {
+    for_each_angle_and_roughness(|cosine, alpha| {
+        let coated = |k| Lobe::Coated(Coated::new(Vec3::splat(k), Vec3::splat(0.04), 0.0, alpha, cosine));
+        let once = {
+            // A coat whose facets reflect everything, which metal tells the share of.
+            let albedo = MetalAlbedo::new(Some(alpha)).directional(alpha, cosine);
+            integrated_albedo(&coated(0.0), towards(cosine)) / (1.0 + 0.04 * (1.0 - albedo) / albedo)
+        };
+        let now = integrated_albedo(&coated(0.5), towards(cosine));
+        let before = once + 0.5 * (1.0 - once);
+        eprintln!("alpha {alpha} cosine {cosine}: {before:.4} {now:.4} coat {once:.4}");
+        assert!((now / before - 1.0).abs() < 0.01, "{alpha} {cosine}: {before} {now}");
     });
 }

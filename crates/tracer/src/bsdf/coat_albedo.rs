@@ -1,8 +1,14 @@
-//! How much a rough coat reflects in all: its directional albedo, tabulated on first use.
+//! How much a rough coat reflects in all, and how much it lets through: its directional albedo, tabulated on first use.
 //!
-//! With Schlick's Fresnel the albedo is linear in the reflectance F₀ at normal incidence: E = F₀ A + (1 − F₀) B, where
-//! A is the albedo of a perfect reflector and B weighs it with (1 − cos)⁵ (Karis 2013, the split sum). A and B depend
-//! on angle and roughness alone. The table is right to 0.002, of coats smoother than 0.02 to 0.01 near the horizon.
+//! With Schlick's Fresnel the albedo of single scattering is linear in the reflectance F₀ at normal incidence:
+//! F₀ A + (1 − F₀) B, where A is the albedo of a perfect reflector and B weighs it with (1 − cos)⁵ (Karis 2013, the split
+//! sum). Times 1 + F₀ (1 − A)/A, which gives back what facets reflect more than once (see `conductor`), it leaves
+//!
+//! 1 − E = (1 − F₀) (1 − B + F₀ D),  D = (1 − A)(1 − B/A):
+//!
+//! written so, what a bright coat lets through is not lost to cancellation, and a perfect reflector lets nothing through.
+//! A, B and D depend on angle and roughness alone. The table is right to 0.002, of coats smoother than 0.02 to 0.01 near
+//! the horizon.
 
 use std::sync::LazyLock;
 
@@ -19,9 +25,7 @@ const ROUGHNESSES: usize = 48;
 /// Samples per side of the square that an entry is integrated over.
 const SAMPLES: usize = 24;
 
-/// A and B.
-type Split = Vec2;
-/// A and B at the tabulated cosines, and at the end of the row their mean over the hemisphere.
+/// A, B and D at the tabulated cosines, and at the end of the row their mean over the hemisphere.
 type Row = [Split; COSINES + 1];
 
 static TABLE: LazyLock<Vec<Row>> =
@@ -42,39 +46,72 @@ pub(super) fn at_roughness(alpha: f32) -> CoatAlbedo {
 }
 
 impl CoatAlbedo {
-    /// Share of light reflected into all directions together, seen with cosine `cosine`, of a coat that reflects
-    /// `specular` at normal incidence.
+    /// What is seen with cosine `cosine`.
     #[inline]
-    pub(super) fn directional(&self, specular: Vec3, cosine: f32) -> Vec3 {
+    pub(super) fn directional(&self, cosine: f32) -> Split {
         let (column, blend) = albedo_grid::locate_cosine(cosine, COSINES);
-        self.blended(specular, |row| row[column].lerp(row[column + 1], blend))
+        self.blended(|row| row[column].0.lerp(row[column + 1].0, blend))
     }
 
-    /// Its mean over all directions, each weighted with its cosine.
+    /// The mean over all directions, each weighted with its cosine.
     #[inline]
-    pub(super) fn mean(&self, specular: Vec3) -> Vec3 {
-        self.blended(specular, |row| row[COSINES])
+    pub(super) fn mean(&self) -> Split {
+        self.blended(|row| row[COSINES].0)
     }
 
     #[inline]
-    fn blended(&self, specular: Vec3, entry: impl Fn(&Row) -> Split) -> Vec3 {
+    fn blended(&self, entry: impl Fn(&Row) -> Vec3) -> Split {
         let table = &*TABLE;
-        let split = entry(&table[self.row]).lerp(entry(&table[self.row + 1]), self.blend);
-        specular * split.x + (Vec3::ONE - specular) * split.y
+        Split(entry(&table[self.row]).lerp(entry(&table[self.row + 1]), self.blend))
+    }
+}
+
+/// A, B and D.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Split(Vec3);
+
+impl Split {
+    fn new(single: Vec2) -> Self {
+        let Vec2 { x: a, y: b } = single;
+        Self(Vec3::new(a, b, (1.0 - a) * (1.0 - b / a)))
+    }
+
+    /// Share of light that a coat reflects in all directions together which reflects `specular` at normal incidence.
+    #[inline]
+    pub(super) fn reflected(&self, specular: Vec3) -> Vec3 {
+        Vec3::ONE - self.passed(specular)
+    }
+
+    /// What it does not reflect.
+    #[inline]
+    pub(super) fn passed(&self, specular: Vec3) -> Vec3 {
+        (Vec3::ONE - specular) * self.passed_shape(specular)
+    }
+
+    /// How that depends on the direction: without the factor 1 − F₀, which a white coat makes 0.
+    #[inline]
+    pub(super) fn passed_shape(&self, specular: Vec3) -> Vec3 {
+        Vec3::splat(1.0 - self.0.y) + specular * self.0.z
+    }
+
+    /// All that is reflected ÷ what is reflected once.
+    #[inline]
+    pub(super) fn compensation(&self, specular: Vec3) -> Vec3 {
+        Vec3::ONE + specular * ((1.0 - self.0.x) / self.0.x)
     }
 }
 
 fn tabulate(alpha: f32) -> Row {
-    let mut row = [Split::ZERO; COSINES + 1];
+    let mut row = [Split(Vec3::ZERO); COSINES + 1];
     for (i, entry) in row[..COSINES].iter_mut().enumerate() {
-        *entry = integrate(alpha, albedo_grid::cosine(i, COSINES), SAMPLES);
+        *entry = Split::new(integrate(alpha, albedo_grid::cosine(i, COSINES), SAMPLES));
     }
     row[COSINES] = mean_of(&row);
     row
 }
 
 /// A and B at one angle, over a midpoint grid of visible normals.
-fn integrate(alpha: f32, cosine: f32, samples: usize) -> Split {
+fn integrate(alpha: f32, cosine: f32, samples: usize) -> Vec2 {
     let outgoing = Vec3::new((1.0 - cosine * cosine).max(0.0).sqrt(), 0.0, cosine);
     let ggx = Ggx::new(alpha);
     let at = |i: usize| (i as f32 + 0.5) / samples as f32;
@@ -82,25 +119,26 @@ fn integrate(alpha: f32, cosine: f32, samples: usize) -> Split {
         // Substituted so that the grid reaches into the long tail of steep normals, at u.x → 1.
         let rest = 1.0 - s;
         let sample = ggx.sample_reflection(outgoing, Vec2::new(1.0 - rest.powi(4), v));
-        let weight = |s: Reflection| s.weight * Split::new(1.0, schlick_weight(s.facet_cosine));
-        4.0 * rest.powi(3) * sample.map_or(Split::ZERO, weight)
+        let weight = |s: Reflection| s.weight * Vec2::new(1.0, schlick_weight(s.facet_cosine));
+        4.0 * rest.powi(3) * sample.map_or(Vec2::ZERO, weight)
     };
     // Row by row: a long sum of small numbers would lose its last digits.
-    let row = |j: usize| (0..samples).map(|i| entry(at(i), at(j))).sum::<Split>() / samples as f32;
-    (0..samples).map(row).sum::<Split>() / samples as f32
+    let row = |j: usize| (0..samples).map(|i| entry(at(i), at(j))).sum::<Vec2>() / samples as f32;
+    (0..samples).map(row).sum::<Vec2>() / samples as f32
 }
 
 /// 2 ∫ E(μ) μ dμ of the row as it is interpolated, in closed form: with μ = t⁴ it is ∫ E 8t⁷ dt, E linear in t.
 fn mean_of(row: &Row) -> Split {
     let step = 1.0 / (COSINES - 1) as f64;
-    (0..COSINES - 1)
+    let mean = (0..COSINES - 1)
         .map(|i| {
             let (before, after) = (i as f64 * step, (i + 1) as f64 * step);
             let both = after.powi(8) - before.powi(8);
             let second = (8.0 / 9.0 * (after.powi(9) - before.powi(9)) - before * both) / step;
-            (both - second) as f32 * row[i] + second as f32 * row[i + 1]
+            (both - second) as f32 * row[i].0 + second as f32 * row[i + 1].0
         })
-        .sum()
+        .sum();
+    Split(mean)
 }
 
 #[cfg(test)]
@@ -112,12 +150,14 @@ mod tests {
         let mut worst = 0.0_f32;
         for &alpha in alphas {
             for cosine in [0.004, 0.03, 0.1, 0.21, 0.47, 0.7, 0.93, 1.0] {
-                let exact = integrate(alpha, cosine, 400);
+                let Vec2 { x: a, y: b } = integrate(alpha, cosine, 400);
+                let found = at_roughness(alpha).directional(cosine);
                 for specular in [0.0, 0.04, 0.5, 1.0] {
-                    let found = at_roughness(alpha).directional(Vec3::splat(specular), cosine).x;
-                    let error = found - (specular * exact.x + (1.0 - specular) * exact.y);
-                    worst = worst.max(error.abs());
+                    let single = specular * a + (1.0 - specular) * b;
+                    let exact = single * (1.0 + specular * (1.0 - a) / a);
+                    worst = worst.max((found.reflected(Vec3::splat(specular)).x - exact).abs());
                 }
+                worst = worst.max((1.0 / found.compensation(Vec3::ONE).x - a).abs());
             }
         }
         worst
@@ -136,7 +176,7 @@ mod tests {
         // Directional: F₀ + (1 − F₀)(1 − μ)⁵. Mean: F₀ + (1 − F₀)/21.
         let albedo = at_roughness(1e-4);
         let specular = Vec3::splat(0.04);
-        assert!((albedo.mean(specular).x - (0.04 + 0.96 / 21.0)).abs() < 1e-3);
-        assert!((albedo.directional(specular, 0.5).x - (0.04 + 0.96 / 32.0)).abs() < 1e-3);
+        assert!((albedo.mean().reflected(specular).x - (0.04 + 0.96 / 21.0)).abs() < 1e-3);
+        assert!((albedo.directional(0.5).reflected(specular).x - (0.04 + 0.96 / 32.0)).abs() < 1e-3);
     }
 }

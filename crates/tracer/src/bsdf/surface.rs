@@ -84,7 +84,7 @@ impl Bsdf {
     }
 
     /// What the albedo feature holds, 0 … 1: diffuse reflectance, reflectance at normal incidence of metals and mirrors,
-    /// tint of glass; of a coated surface F₀ + (1 − F₀) k_d.
+    /// tint of glass; of a coated surface F₀ + (1 − F₀) k_d, and what of it is metal as metal.
     #[inline]
     pub const fn albedo(&self) -> Vec3 {
         self.albedo
@@ -167,7 +167,10 @@ pub(crate) fn may_be_specular(material: &Material) -> bool {
     match &material.surface {
         Surface::Mirror { .. } | Surface::ThinGlass { .. } => true,
         Surface::Glass { alpha, .. } | Surface::Conductor { alpha, .. } => is_smooth(*alpha),
-        Surface::Coated { alpha, .. } => maps.metallic.is_some() && is_smooth(*alpha),
+        // Only a map can make all of a coated surface metal in places.
+        Surface::Coated { alpha, .. } => {
+            maps.metallic.as_ref().is_some_and(|metallic| metallic.texture.is_some()) && is_smooth(*alpha)
+        }
         Surface::Diffuse { .. } => false,
     }
 }
@@ -224,9 +227,8 @@ fn lobe_at(interaction: &Interaction, outside: bool, cosine: f32) -> (Lobe, Vec3
 
 /// A coated base, of which the share `metallic` is a metal of its colour.
 fn coated(base: Vec3, coat: Vec3, alpha: f32, metallic: f32, cosine: f32) -> (Lobe, Vec3) {
-    let (diffuse, specular) = ((1.0 - metallic) * base, coat.lerp(base, metallic));
-    let albedo = specular + (Vec3::ONE - specular) * diffuse;
-    (Lobe::Coated(Coated::new(diffuse, specular, alpha, cosine)), albedo)
+    let albedo = (1.0 - metallic) * (coat + (Vec3::ONE - coat) * base) + metallic * base;
+    (Lobe::Coated(Coated::new(base, coat, metallic, alpha, cosine)), albedo)
 }
 
 /// A metal whose roughness is `alphas[1]` here and `alphas[0]` where the map does not lower it.

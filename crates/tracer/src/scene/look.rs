@@ -2,9 +2,10 @@
 
 use glam::Vec3;
 
-use crate::material::{Colour, Surface};
+use crate::material::{Colour, Grey, Surface};
 
-/// A surface described by base colour, coat, roughness, metalness and transmission (as in Burley 2012, reduced).
+/// A surface described by base colour, coat, roughness, metalness and transmission (as in Burley 2012, reduced). What is metal
+/// in part is not: a coated surface, whose maps say how much of it is (see [`metalness`]).
 #[derive(Clone, Debug)]
 pub(super) struct Look {
     /// Colour of the diffuse base, of the metal, or tint of the glass.
@@ -13,8 +14,8 @@ pub(super) struct Look {
     pub(super) coat: Colour,
     /// GGX α; `None` where nothing was said.
     pub(super) alpha: Option<f32>,
-    /// 0 … 1.
-    pub(super) metallic: f32,
+    /// Whether all of it is metal.
+    pub(super) metal: bool,
     /// 0 … 1; from one half on it is glass.
     pub(super) transmission: f32,
     /// Whether glass is a pane too thin to refract.
@@ -37,16 +38,16 @@ impl Look {
             base: base.clone(),
             coat: bare.clone(),
             alpha: None,
-            metallic: 0.0,
+            metal: false,
             transmission: 0.0,
             thin: false,
             ior: 1.5,
         };
         match surface {
             Surface::Diffuse { reflectance } => plain(reflectance),
-            Surface::Mirror { reflectance } => Self { metallic: 1.0, alpha: Some(0.0), ..plain(reflectance) },
+            Surface::Mirror { reflectance } => Self { metal: true, alpha: Some(0.0), ..plain(reflectance) },
             Surface::Conductor { reflectance, alpha } => {
-                Self { metallic: 1.0, alpha: Some(*alpha), ..plain(reflectance) }
+                Self { metal: true, alpha: Some(*alpha), ..plain(reflectance) }
             }
             Surface::Glass { ior, transmittance, alpha } => {
                 Self { transmission: 1.0, ior: *ior, alpha: Some(*alpha), ..plain(transmittance) }
@@ -67,7 +68,7 @@ impl Look {
         self.coat = Colour::constant(Vec3::splat(r * r));
     }
 
-    /// The surface. Roughness or metalness without a coat bring the common one.
+    /// The surface. Roughness without a coat brings the common one.
     pub(super) fn surface(self) -> Surface {
         if self.transmission >= 0.5 {
             let (ior, transmittance) = (self.ior, capped(self.base));
@@ -76,18 +77,24 @@ impl Look {
                 false => Surface::Glass { ior, transmittance, alpha: self.alpha.unwrap_or(0.0) },
             };
         }
-        if self.metallic >= 1.0 {
+        if self.metal {
             return metal(self.base, self.alpha);
         }
         let bare = self.coat.factor == Vec3::ZERO;
-        if bare && self.alpha.is_none() && self.metallic == 0.0 {
+        let Some(alpha) = self.alpha.or((!bare).then_some(1.0)) else {
             return Surface::Diffuse { reflectance: capped(self.base) };
-        }
+        };
         let coat = if bare { Colour::constant(Vec3::splat(COMMON_COAT)) } else { self.coat };
         // The base is what light finds that the coat lets in: both may be bright.
-        let (diffuse, specular) = parted(self.base, coat, self.metallic);
-        Surface::Coated { diffuse: capped(diffuse), specular: capped(specular), alpha: self.alpha.unwrap_or(1.0) }
+        Surface::Coated { diffuse: capped(self.base), specular: capped(coat), alpha }
     }
+}
+
+/// Whether a surface of that metalness is all metal; else what its maps say of it, where a part of it is. Such a surface is a
+/// coated one, for that is what may be metal in places.
+pub(super) fn metalness(metallic: Grey) -> (bool, Option<Grey>) {
+    let partly = metallic.texture.is_some() || (metallic.factor > 0.0 && metallic.factor < 1.0);
+    (!partly && metallic.factor >= 1.0, partly.then_some(metallic))
 }
 
 /// A metal of reflectance `reflectance`; a mirror when it is hardly rough.
@@ -100,18 +107,11 @@ pub(super) fn metal(reflectance: Colour, alpha: Option<f32>) -> Surface {
 }
 
 /// A diffuse base under a coat, whose reflectances are both shares of all light, as MTL has them: scaled so that together they
-/// are no more than 1. Metalness moves the base's colour to the coat.
-pub(super) fn coated(base: Colour, coat: Colour, metallic: f32, alpha: f32) -> Surface {
-    let (diffuse, specular) = parted(base, coat, metallic);
-    let scale = 1.0 / (diffuse.factor + specular.factor).max_element().max(1.0);
+/// are no more than 1.
+pub(super) fn coated(base: Colour, coat: Colour, alpha: f32) -> Surface {
+    let scale = 1.0 / (base.factor + coat.factor).max_element().max(1.0);
     let scaled = |colour: Colour| Colour { factor: colour.factor * scale, ..colour };
-    Surface::Coated { diffuse: scaled(diffuse), specular: scaled(specular), alpha }
-}
-
-/// What of the base's colour stays below the coat, and what metalness moves to it.
-fn parted(base: Colour, coat: Colour, metallic: f32) -> (Colour, Colour) {
-    let specular = Colour { factor: coat.factor.lerp(base.factor, metallic), ..coat };
-    (Colour { factor: base.factor * (1.0 - metallic), ..base }, specular)
+    Surface::Coated { diffuse: scaled(base), specular: scaled(coat), alpha }
 }
 
 /// At most 1.

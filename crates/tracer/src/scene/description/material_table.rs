@@ -7,7 +7,7 @@ use toml::Spanned;
 
 use super::super::SceneError;
 use super::super::error::Place;
-use super::super::look::Look;
+use super::super::look::{Look, metalness};
 use super::super::textures::{Channel, TextureFiles, TextureUse};
 use super::image_table::ImageTable;
 use super::keys::{NOT_NEGATIVE, SHARE, TomlTable, toml_table};
@@ -23,7 +23,7 @@ toml_table! {
         optional base_color: Textured<Triple> = "as in the file", SHARE;
         /// α is its square; on a plain diffuse surface it brings a coat of reflectance 0.04
         optional roughness: Textured<f32> = "as in the file", SHARE;
-        /// 1 is a metal; between, the base's colour moves to the coat
+        /// 1 is a metal; between, so much of it is a metal of the base's colour
         optional metallic: Textured<f32> = "as in the file", SHARE;
         /// from 0.5 on glass, rough where the material is rough; else opaque
         optional transmission: f32 = "as in the file", SHARE;
@@ -208,12 +208,9 @@ impl MaterialChange {
             maps.roughness = change.read(files, Channel::Luminance)?.texture;
         }
         if let Some(change) = &self.metallic {
-            let metallic = change.read(files, Channel::Luminance)?;
-            let mapped = metallic.texture.is_some();
-            look.metallic = if mapped { 0.0 } else { metallic.factor };
-            // Only a coated surface can be metal in places.
-            look.alpha = look.alpha.or(mapped.then_some(1.0));
-            maps.metallic = mapped.then_some(metallic);
+            (look.metal, maps.metallic) = metalness(change.read(files, Channel::Luminance)?);
+            // Only a coated surface can be metal in part.
+            look.alpha = look.alpha.or(maps.metallic.is_some().then_some(1.0));
         }
         if let Some(change) = &self.alpha {
             let opacity = change.read(files, Channel::Alpha)?;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use gltf::material::AlphaMode;
 
-use super::super::look::{COMMON_COAT, Look};
+use super::super::look::{COMMON_COAT, Look, metalness};
 use super::super::notes::Notes;
 use super::super::textures::{Channel, TextureFiles, TextureUse};
 use super::buffers::Buffers;
@@ -74,27 +74,26 @@ impl Reader<'_> {
         }
         let parts = pbr.metallic_roughness_texture().map(|info| PlacedTexture::of(&info));
         let parts = parts.and_then(|placed| self.place(&one, &placed));
-        let mut metallic = pbr.metallic_factor();
+        let mut metallic = Grey::constant(pbr.metallic_factor());
         if let Some(texture) = &parts {
             maps.roughness = self.found(&one, |files| files.greys(texture, Channel::Green));
             let map = self.found(&one, |files| files.greys(texture, Channel::Blue));
             // A map of nothing but ones or zeros is a number.
             match map.as_ref().and_then(|map| map.constant()) {
-                Some(number) => metallic *= number,
-                None => {
-                    maps.metallic = map.map(|map| Grey { factor: metallic, texture: Some(map) });
-                    metallic = if maps.metallic.is_some() { 0.0 } else { metallic };
-                }
+                Some(number) => metallic.factor *= number,
+                None => metallic.texture = map,
             }
         }
+        let metal;
+        (metal, maps.metallic) = metalness(metallic);
         let roughness = pbr.roughness_factor();
-        let surface = self.look(&one, base, metallic, roughness * roughness).surface();
+        let surface = self.look(&one, base, metal, roughness * roughness).surface();
         Material { name: one.name, surface, emission, maps }
     }
 
-    fn look(&mut self, one: &One, base: Colour, metallic: f32, alpha: f32) -> Look {
+    fn look(&mut self, one: &One, base: Colour, metal: bool, alpha: f32) -> Look {
         let coat = Colour::constant(Vec3::splat(COMMON_COAT));
-        let mut look = Look { base, coat, alpha: Some(alpha), metallic, transmission: 0.0, thin: false, ior: 1.5 };
+        let mut look = Look { base, coat, alpha: Some(alpha), metal, transmission: 0.0, thin: false, ior: 1.5 };
         if let Some(ior) = one.material.ior().filter(|ior| *ior >= 1.0) {
             look.set_ior(ior);
         }

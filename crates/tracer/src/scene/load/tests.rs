@@ -131,6 +131,10 @@ fn materials_are_changed_by_name() {
     let rough = changed("metallic = 1\nroughness = 0.5").surface;
     assert!(matches!(rough, Surface::Conductor { reflectance, alpha: 0.25 } if reflectance.factor == base));
     assert!(matches!(changed("metallic = 1").surface, Surface::Mirror { .. }));
+    let nearly = changed("metallic = 0.996");
+    assert_eq!(nearly.maps.metallic.unwrap().factor, 0.996);
+    assert!(matches!(nearly.surface, Surface::Coated { diffuse, alpha: 1.0, .. } if diffuse.factor == base));
+    assert!(changed("metallic = 0\nroughness = 1").maps.metallic.is_none());
     let glass = changed("transmission = 1\nior = 1.33\nbase_color = 0.9").surface;
     assert!(
         matches!(glass, Surface::Glass { ior: 1.33, transmittance, alpha: 0.0 } if transmittance.factor == Vec3::splat(0.9))

@@ -118,19 +118,24 @@ impl MtlEntry {
     }
 
     fn opaque(&self, diffuse: Colour, specular: Colour) -> Surface {
-        let mapped = self.metallic_map.is_some();
-        let metallic = if mapped { 0.0 } else { self.metallic.unwrap_or(0.0).clamp(0.0, 1.0) };
+        let metal = self.is_partly_metal();
         let has_roughness = self.roughness.is_some() || self.roughness_map.is_some();
-        let shows_highlights = !matches!(self.model, Some(0 | 1)) || has_roughness || mapped;
-        let physical = has_roughness || metallic > 0.0 || mapped;
-        let common = specular.factor == Vec3::ZERO && physical;
+        let shows_highlights = !matches!(self.model, Some(0 | 1)) || has_roughness || self.metallic_map.is_some();
+        let common = specular.factor == Vec3::ZERO && (has_roughness || metal);
         let specular = if common { Colour::constant(Vec3::splat(COMMON_COAT)) } else { specular };
-        match self.alpha().or(mapped.then_some(1.0)) {
-            Some(alpha) if shows_highlights && specular.factor != Vec3::ZERO => {
-                coated(diffuse, specular, metallic, alpha)
+        match self.alpha().or(self.metallic_map.is_some().then_some(1.0)) {
+            // Where there is metal, `Kd` is its reflectance, and no share beside that of the coat.
+            Some(alpha) if shows_highlights && metal => {
+                Surface::Coated { diffuse: capped(diffuse), specular: capped(specular), alpha }
             }
+            Some(alpha) if shows_highlights && specular.factor != Vec3::ZERO => coated(diffuse, specular, alpha),
             _ => Surface::Diffuse { reflectance: capped(diffuse) },
         }
+    }
+
+    /// Whether a part of it may be metal.
+    fn is_partly_metal(&self) -> bool {
+        self.metallic_map.is_some() || self.metallic.is_some_and(|pm| pm > 0.0)
     }
 }
 
@@ -209,6 +214,15 @@ mod tests {
         assert_eq!(alpha, 0.2);
         assert!((diffuse.factor + specular.factor).max_element() <= 1.0);
         assert!((specular.factor.x - 0.625).abs() < 1e-6);
+    }
+
+    #[test]
+    fn what_is_metal_in_part_keeps_its_colour_for_the_metal() {
+        let nearly = convert("Kd 1 .5 0\nKs .5 .5 .5\nPm .996\nPr 1");
+        assert_eq!(nearly.maps.metallic.map(|metallic| metallic.factor), Some(0.996));
+        let Surface::Coated { diffuse, specular, alpha: 1.0 } = nearly.surface else { panic!("no coat") };
+        assert_eq!((constant(&diffuse), constant(&specular)), ([1.0, 0.5, 0.0], [0.5; 3]));
+        assert!(convert("Pm 0\nPr 1").maps.metallic.is_none() && convert("Pm 1\nPr 1").maps.metallic.is_none());
     }
 
     #[test]

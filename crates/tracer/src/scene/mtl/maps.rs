@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::super::look::metalness;
 use super::super::notes::Notes;
 use super::super::textures::{Channel, TextureFiles, TextureUse};
 use super::convert::alpha_of_phong;
@@ -29,7 +30,7 @@ impl MtlEntry {
         maps.opacity = (holes.is_some() || opacity < 1.0).then_some(Grey { factor: opacity, texture: holes });
         maps.normals = normals;
         maps.roughness = roughness.or(shininess);
-        maps.metallic = metallic.map(|map| Grey { factor: self.metallic_factor(), texture: Some(map) });
+        maps.metallic = self.metalness(metallic);
         maps
     }
 
@@ -63,8 +64,11 @@ impl MtlEntry {
         self.opacity.filter(|&d| d > 0.0 && !self.is_glass()).map_or(1.0, |d| d.min(1.0))
     }
 
-    /// `Pm` in front of a texture.
-    fn metallic_factor(&self) -> f32 {
-        self.metallic.filter(|&pm| pm > 0.0).map_or(1.0, |pm| pm.min(1.0))
+    /// `Pm`, times `map` where there is one; `None` where nothing or all of it is metal. A zero in front of a texture is a habit
+    /// of exporters.
+    fn metalness(&self, map: Option<Arc<GreyTexture>>) -> Option<Grey> {
+        let said = self.metallic.filter(|&pm| pm > 0.0).map(|pm| pm.min(1.0));
+        let factor = said.or(map.is_some().then_some(1.0))?;
+        metalness(Grey { factor, texture: map }).1
     }
 }
