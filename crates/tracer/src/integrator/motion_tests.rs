@@ -1,12 +1,13 @@
 //! Motion blur against the mean of many still pictures.
 
-use glam::{DVec3, Vec3};
+use glam::{DAffine3, DVec3, Vec3};
 use stack::{ComponentRole, Size};
 
-use super::test_scenes::{Pieces, diffuse, lamp, render};
+use super::test_scenes::{Pieces, diffuse, lamp, mean_of, peering, render};
 use super::{DirectLight, TraceSettings};
 use crate::camera::CameraDescription;
-use crate::scene::{Motion, Scene};
+use crate::material::Material;
+use crate::scene::{Instance, Mesh, Motion, Placement, Scene};
 
 /// A sphere that tumbles past, a lamp that swings, a floor that stands.
 fn fair() -> Scene {
@@ -64,4 +65,35 @@ fn motion_blur_is_the_mean_of_still_pictures() {
             assert!((a - b).abs() < error && error < 0.08 * b, "{direct_light:?}: {a} {b} ± {error}");
         }
     }
+}
+
+/// A lamp far from its mesh's own origin, whose corners round differently wherever it moves, must not shadow itself: it
+/// moves so little that its light is that of one that stands.
+#[test]
+fn moving_lamps_do_not_shadow_themselves() {
+    let quad = |corner: Vec3, a: Vec3, b: Vec3, material: u32| Mesh {
+        positions: vec![corner, corner + a, corner + a + b, corner + b],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        materials: vec![material; 2],
+        ..Mesh::default()
+    };
+    let far = Vec3::new(0.3, 300.7, 0.7);
+    let floor = quad(Vec3::new(-5.0, 0.0, 5.0), Vec3::X * 10.0, -Vec3::Z * 10.0, 0);
+    let lit = quad(far - Vec3::new(0.5, 0.0, 0.5), Vec3::X, Vec3::Z, 1);
+    let back = DVec3::Y * 1.5 - far.as_dvec3();
+    let stand = |mesh, map, motion| Instance { mesh, placement: Placement::new(map).unwrap(), motion };
+    let materials = [diffuse(0.5), diffuse(0.0)].into_iter().zip([0.0, 3.0]);
+    let scene = |motion| {
+        let materials = materials.clone().map(|(surface, light)| Material::new("", surface, Vec3::splat(light)));
+        let stands = vec![stand(0, DAffine3::IDENTITY, None), stand(1, DAffine3::from_translation(back), motion)];
+        Scene::new(vec![floor.clone(), lit.clone()], stands, materials.collect(), None).unwrap()
+    };
+    let camera = peering(Vec3::new(3.0, 1.0, 0.0), Vec3::ZERO);
+    let motion = Motion { translate: DVec3::Y * 0.001, turn: DVec3::ZERO, centre: DVec3::ZERO };
+    let scattered = |motion| {
+        let (stack, _) = render(&scene(motion), &camera, 64, &TraceSettings::DEFAULT);
+        mean_of(&stack, ComponentRole::Scattered).0
+    };
+    let (still, moving) = (scattered(None), scattered(Some(motion)));
+    assert!((moving / still - 1.0).abs() < 0.01, "{moving} {still}");
 }

@@ -6,6 +6,7 @@ use glam::{Vec2, Vec3};
 
 use super::instance::Placed;
 use super::mesh::IndexedMesh;
+use super::motion::MovingPlacement;
 use super::{Bounds, Scene};
 use crate::material::Material;
 
@@ -26,8 +27,8 @@ pub struct EmissiveTriangle {
     pub material: u32,
     /// Whether emission or opacity vary over it.
     pub varies: bool,
-    /// Which placed mesh it moves with.
-    moves_with: Option<u32>,
+    /// Which placed mesh it moves with, and as which of its triangles.
+    moves_as: Option<(u32, u32)>,
 }
 
 impl Scene {
@@ -35,24 +36,32 @@ impl Scene {
     #[inline]
     pub fn emitter_at(&self, index: usize, time: f32) -> Cow<'_, EmissiveTriangle> {
         let emitter = &self.emitters[index];
-        let Some(placed) = emitter.moves_with else { return Cow::Borrowed(emitter) };
-        let Some(moving) = &self.placed[placed as usize].moving else { return Cow::Borrowed(emitter) };
-        let vertices = emitter.vertices.map(|vertex| moving.carried(vertex, time));
-        Cow::Owned(EmissiveTriangle { vertices, normal: moving.turned(emitter.normal, time), ..*emitter })
+        let Some((placed, moving, triangle)) = self.moving(emitter) else { return Cow::Borrowed(emitter) };
+        // Rounded as rays find it: from other corners, a light sample would lie beside the triangle, perhaps behind it.
+        let vertices = Placed::corners(&self.meshes[placed.mesh], triangle, Some(&moving.at(time)));
+        let normal = placed.cross(vertices).normalize().as_vec3();
+        Cow::Owned(EmissiveTriangle { vertices, normal, ..*emitter })
     }
 
     /// What holds emitter `index` over the frame.
     pub(crate) fn emitter_sweep(&self, index: usize) -> EmitterSweep {
         let emitter = &self.emitters[index];
-        let moving = emitter.moves_with.and_then(|placed| self.placed[placed as usize].moving.as_ref());
-        let Some(moving) = moving else {
+        let Some((placed, moving, triangle)) = self.moving(emitter) else {
             return EmitterSweep { bounds: Bounds::of(emitter.vertices), normal: emitter.normal, turn: 0.0 };
         };
         EmitterSweep {
-            bounds: moving.sweep_carried(emitter.vertices),
+            bounds: moving.sweep(self.meshes[placed.mesh].mesh.corners(triangle).iter()),
             normal: moving.turned(emitter.normal, 0.5),
             turn: 0.5 * moving.whole_turn(),
         }
+    }
+
+    /// The mesh that `emitter` moves with, how that moves, and which of its triangles the emitter is.
+    #[inline]
+    fn moving(&self, emitter: &EmissiveTriangle) -> Option<(&Placed, &MovingPlacement, u32)> {
+        let (placed, triangle) = emitter.moves_as?;
+        let placed = &self.placed[placed as usize];
+        Some((placed, placed.moving.as_ref()?, triangle))
     }
 }
 
@@ -88,7 +97,7 @@ pub(super) fn emitters_of<'a>(
             uvs: mesh.mesh.corner_uvs(t as u32),
             material: index,
             varies: material.emission.texture.is_some() || material.maps.opacity.is_some(),
-            moves_with: placed.moving.map(|_| number),
+            moves_as: placed.moving.map(|_| (number, t as u32)),
         }
     })
 }

@@ -48,11 +48,6 @@ impl MovingPlacement {
         Placement::new(self.motion.at(time) * self.start.map()).unwrap_or(self.start)
     }
 
-    /// A point of the scene that moves along, from its place at time 0 to that at `time`.
-    pub(super) fn carried(&self, point: Vec3, time: f32) -> Vec3 {
-        self.motion.at(time).transform_point3(point.as_dvec3()).as_vec3()
-    }
-
     /// A direction that turns along.
     pub(super) fn turned(&self, direction: Vec3, time: f32) -> Vec3 {
         self.motion.at(time).transform_vector3(direction.as_dvec3()).as_vec3()
@@ -69,11 +64,6 @@ impl MovingPlacement {
             let placement = self.at(time);
             Bounds::of(points.clone().map(|p| placement.point(*p)))
         })
-    }
-
-    /// A box round `points` of the scene, at time 0, that holds them over the whole frame.
-    pub(super) fn sweep_carried(&self, points: [Vec3; 3]) -> Bounds {
-        self.swept(|time| Bounds::of(points.map(|p| self.carried(p, time))))
     }
 
     /// All of the frame from the boxes at single moments: those between which things hardly turn, widened by what they
