@@ -28,10 +28,10 @@ pub enum DeltaLight {
         axis: Vec3,
         /// Radiant intensity along the axis, W/sr.
         intensity: Vec3,
-        /// Cosine of the angle between axis and rim, where nothing arrives.
-        cos_rim: f32,
-        /// Cosine of the smaller angle up to which it shines as along the axis; smooth between.
-        cos_full: f32,
+        /// 1 − cos of the angle between axis and rim, where nothing arrives: of narrow spots the cosine alone would be 1.
+        rim: f32,
+        /// 1 − cos of the smaller angle up to which it shines as along the axis; smooth between.
+        full: f32,
     },
     /// Infinitely far away, seen as an even disc.
     Sun {
@@ -59,7 +59,7 @@ impl DeltaLight {
     /// A spot whose rim is `angles[0]` degrees from its axis and which fades over the last `angles[1]` of them.
     pub fn spot(position: Vec3, axis: Vec3, intensity: Vec3, angles: [f32; 2]) -> Self {
         let [rim, fade] = angles.map(f32::to_radians);
-        Self::Spot { position, axis, intensity, cos_rim: rim.cos(), cos_full: (rim - fade).cos() }
+        Self::Spot { position, axis, intensity, rim: one_minus_cos(rim), full: one_minus_cos(rim - fade) }
     }
 
     /// The same light, of this power in W. A sun, whose power is infinite, stays as it is.
@@ -67,9 +67,8 @@ impl DeltaLight {
     pub fn of_power(self, power: Vec3) -> Self {
         match self {
             Self::Point { position, .. } => Self::Point { position, intensity: power / (4.0 * PI) },
-            Self::Spot { position, axis, cos_rim, cos_full, .. } => {
-                let intensity = power / spot_solid_angle(cos_rim, cos_full);
-                Self::Spot { position, axis, intensity, cos_rim, cos_full }
+            Self::Spot { position, axis, rim, full, .. } => {
+                Self::Spot { position, axis, intensity: power / spot_solid_angle(rim, full), rim, full }
             }
             Self::Sun { .. } => self,
         }
@@ -79,9 +78,7 @@ impl DeltaLight {
     fn power(&self, radius: f64) -> f64 {
         match *self {
             Self::Point { intensity, .. } => f64::from(4.0 * PI) * mean(intensity),
-            Self::Spot { intensity, cos_rim, cos_full, .. } => {
-                f64::from(spot_solid_angle(cos_rim, cos_full)) * mean(intensity)
-            }
+            Self::Spot { intensity, rim, full, .. } => f64::from(spot_solid_angle(rim, full)) * mean(intensity),
             Self::Sun { irradiance, .. } => f64::from(PI) * radius * radius * mean(irradiance),
         }
     }
@@ -90,9 +87,10 @@ impl DeltaLight {
     fn arrival(&self, point: Vec3, u: Vec2) -> Arrival {
         match *self {
             Self::Point { position, intensity } => from_near(point, position, intensity),
-            Self::Spot { position, axis, intensity, cos_rim, cos_full } => {
+            Self::Spot { position, axis, intensity, rim, full } => {
                 let arrival = from_near(point, position, intensity);
-                let share = smoothstep(cos_rim, cos_full, axis.dot(-arrival.direction));
+                // Of unit vectors, 1 − cos is half the square of their difference, without cancellation.
+                let share = spot_falloff(rim, full, 0.5 * (axis + arrival.direction).length_squared());
                 Arrival { irradiance: share * arrival.irradiance, ..arrival }
             }
             Self::Sun { direction, irradiance, angle } => {
@@ -103,9 +101,14 @@ impl DeltaLight {
     }
 }
 
+/// 1 − cos of `angle`, without cancellation.
+fn one_minus_cos(angle: f32) -> f32 {
+    2.0 * (0.5 * angle).sin().powi(2)
+}
+
 /// The integral of a spot's falloff over all directions: the smooth step takes half of its zone.
-fn spot_solid_angle(cos_rim: f32, cos_full: f32) -> f32 {
-    2.0 * PI * ((1.0 - cos_full) + 0.5 * (cos_full - cos_rim))
+fn spot_solid_angle(rim: f32, full: f32) -> f32 {
+    2.0 * PI * (full + 0.5 * (rim - full))
 }
 
 fn from_near(point: Vec3, position: Vec3, intensity: Vec3) -> Arrival {
@@ -114,12 +117,13 @@ fn from_near(point: Vec3, position: Vec3, intensity: Vec3) -> Arrival {
     Arrival { direction: span / distance, irradiance: intensity / (distance * distance), source: Some(position) }
 }
 
-/// 0 up to `low`, 1 from `high` on, and 3t² − 2t³ between.
-fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
-    if low >= high {
-        return if x > low { 1.0 } else { 0.0 };
+/// What of its light a spot sends where 1 − cos of the angle to its axis is `here`: all of it up to `full`, nothing from `rim`
+/// on, and 3t² − 2t³ between.
+fn spot_falloff(rim: f32, full: f32, here: f32) -> f32 {
+    if full >= rim {
+        return if here < rim { 1.0 } else { 0.0 };
     }
-    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
+    let t = ((rim - here) / (rim - full)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
 
@@ -127,8 +131,7 @@ fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
 /// surface that faces the disc: its radiance is E/(π sin² a), the solid angle 2π(1 − cos a); their product is E · 2/(1 +
 /// cos a).
 fn on_disc(towards: Vec3, angle: f32, u: Vec2) -> (Vec3, f32) {
-    // 1 − cos, without cancellation.
-    let most = 2.0 * (0.5 * angle).sin().powi(2);
+    let most = one_minus_cos(angle);
     let direction = Frame::new(towards).to_world(sample_cap(most, u)).normalize();
     (direction, 2.0 / (2.0 - most))
 }

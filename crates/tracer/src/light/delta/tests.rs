@@ -79,6 +79,19 @@ fn a_spot_falls_off_smoothly_to_its_rim() {
     assert!((share(32.0) - t * t * (3.0 - 2.0 * t)).abs() < 1e-4);
 }
 
+/// A narrow spot lights a disc of radius d θ; with a hard rim all of it alike: E = Φ ÷ (π d² θ²).
+#[test]
+fn narrow_spots_have_the_power_they_are_said_to_have() {
+    for degrees in [0.001_f32, 0.02, 1.0] {
+        let spot = DeltaLight::spot(Vec3::Y * 4.0, -Vec3::Y, Vec3::ONE, [degrees, 0.0]).of_power(Vec3::splat(7.0));
+        let theta = f64::from(degrees).to_radians();
+        let expected = 7.0 / (std::f64::consts::PI * (4.0 * theta).powi(2));
+        let inside = irradiance(&[spot], Vec3::X * (0.9 * 4.0 * theta) as f32);
+        assert!((inside / expected - 1.0).abs() < 1e-3, "{degrees}: {inside}, expected {expected}");
+        assert_eq!(irradiance(&[spot], Vec3::X * (1.1 * 4.0 * theta) as f32), 0.0, "{degrees}");
+    }
+}
+
 #[test]
 fn power_is_what_a_sphere_round_the_light_gets() {
     let material = dull();

@@ -152,8 +152,8 @@ fn lights_shine_along_their_nodes() {
     let loaded = loaded(&document(lights));
     let [point, spot, sun] = loaded.scene.delta_lights[..] else { panic!("{:?}", loaded.scene.delta_lights) };
     assert_eq!(point, DeltaLight::Point { position: Vec3::new(1.0, 2.0, 3.0), intensity: Vec3::new(2.0, 1.0, 0.0) });
-    let DeltaLight::Spot { axis, cos_rim, .. } = spot else { panic!("{spot:?}") };
-    assert!((axis + Vec3::Y).length() < 1e-6 && (cos_rim - 0.5_f32.cos()).abs() < 1e-6);
+    let DeltaLight::Spot { axis, rim, .. } = spot else { panic!("{spot:?}") };
+    assert!((axis + Vec3::Y).length() < 1e-6 && (rim - (1.0 - 0.5_f32.cos())).abs() < 1e-6);
     let DeltaLight::Sun { direction, irradiance, .. } = sun else { panic!("{sun:?}") };
     assert_eq!((direction, irradiance), (-Vec3::Z, Vec3::splat(3.0)));
     assert!(loaded.notes[0].contains("nodes[3]: a light that shines nowhere"));
