@@ -41,7 +41,8 @@ fn set_of(material: &gltf::Material) -> u32 {
     let pbr = material.pbr_metallic_roughness();
     let infos = [pbr.base_color_texture(), pbr.metallic_roughness_texture(), material.emissive_texture()];
     let placed = infos.into_iter().flatten().next().map(|info| PlacedTexture::of(&info).set);
-    placed.or(material.normal_texture().map(|normal| normal.tex_coord())).unwrap_or(0)
+    let of_normals = || PlacedTexture::of_normals(&material.normal_texture()?).ok();
+    placed.or_else(|| of_normals().map(|placed| placed.set)).unwrap_or(0)
 }
 
 struct Reader<'a> {
@@ -162,7 +163,8 @@ impl Reader<'_> {
 
     fn normals(&mut self, one: &One) -> Option<Arc<crate::texture::Texture>> {
         let normal = one.material.normal_texture()?;
-        let texture = self.place(one, &PlacedTexture::plain(normal.texture(), normal.tex_coord()))?;
+        let placed = self.found(one, |_| PlacedTexture::of_normals(&normal))?;
+        let texture = self.place(one, &placed)?;
         let texture = TextureUse { strength: normal.scale(), ..texture };
         self.found(one, |files| files.normals(&texture))
     }

@@ -1,7 +1,10 @@
 //! Textures as a glTF file lays them on surfaces.
 
 use glam::{Mat2, Vec2};
+use gltf::json;
+use gltf::material::NormalTexture;
 use gltf::texture::{Info, Texture, TextureTransform, WrappingMode};
+use serde::Deserialize;
 
 use super::super::textures::{TextureFiles, TextureUse};
 use super::buffers::{Buffers, embedded, file_name};
@@ -18,8 +21,21 @@ pub(super) struct PlacedTexture<'a> {
 
 impl<'a> PlacedTexture<'a> {
     /// A texture that covers its coordinates once.
-    pub(super) fn plain(texture: Texture<'a>, set: u32) -> Self {
+    fn plain(texture: Texture<'a>, set: u32) -> Self {
         Self { texture, set, map: Mat2::IDENTITY, offset: Vec2::ZERO }
+    }
+
+    /// What `normals` says, and its `KHR_texture_transform`, which the crate leaves unread there.
+    ///
+    /// # Errors
+    /// In words, why that cannot be read.
+    pub(super) fn of_normals(normals: &NormalTexture<'a>) -> Result<Self, String> {
+        let plain = Self::plain(normals.texture(), normals.tex_coord());
+        let Some(written) = normals.extension_value("KHR_texture_transform") else { return Ok(plain) };
+        let transform = json::extensions::texture::TextureTransform::deserialize(written);
+        let transform = transform.map_err(|why| format!("KHR_texture_transform of its normal texture: {why}"))?;
+        let (map, offset) = upwards(transform.scale.0, transform.rotation.0, transform.offset.0);
+        Ok(Self { set: transform.tex_coord.unwrap_or(plain.set), map, offset, ..plain })
     }
 
     /// What `info` says.

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use glam::{Vec2, Vec3};
+use glam::{Mat2, Vec2, Vec3};
 use tempfile::TempDir;
 
 use super::super::{Loaded, load};
@@ -206,6 +206,13 @@ fn textures_lie_where_the_file_lays_them() {
     let moved = with(r#", "extensions": { "KHR_texture_transform": { "offset": [0.5, 0] } }"#, "");
     let Surface::Coated { diffuse, .. } = &moved.surface else { panic!() };
     assert_eq!(diffuse.at(at(0.25)), Vec3::ZERO);
+    let relief = r#", "normalTexture": { "index": 0, "texCoord": 1, "extensions": { "KHR_texture_transform": { "offset": [0.5, 0], "scale": [1, 2], "texCoord": 0 } } }"#;
+    let normals = with("", relief).maps.normals.unwrap();
+    assert_eq!((normals.lookup(at(0.25)), normals.lookup(at(0.75))), (Vec3::ZERO, Vec3::X));
+    assert_eq!(normals.map, Mat2::from_diagonal(Vec2::new(1.0, 2.0)));
+    let broken = relief.replace("[0.5, 0]", "3");
+    let (blank, notes) = material(&painted.replace("INFO", "").replace("MORE", &broken));
+    assert!(blank.maps.normals.is_none() && notes[0].contains("KHR_texture_transform of its normal texture"));
     let wraps = |sampler: &str| {
         let textures = r#""textures": [{ "source": 0, "sampler": 0 }], "images": [{ "uri": "a%20b.png" }]"#;
         let material = painted.replace("INFO", "").replace("MORE", "");
