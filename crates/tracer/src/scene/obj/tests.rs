@@ -206,13 +206,21 @@ fn maps_make_holes_relief_roughness_and_metal() {
     let mtl = b"newmtl leaf\nKd 1 1 1\nmap_Kd -clamp on leaf.png\nmap_d leaf.png\nd 0\n\
         newmtl metal\nKd 1 1 1\nPr 0.5\nmap_Pr grey.png\nmap_Pm -imfchan g leaf.png\nnorm normal.png\n\
         newmtl bumpy\nmap_Bump -bm 2 grey.png\nbump gone.png\nmap_Ke leaf.png\nKe 2 2 2\n\
-        newmtl fake\nbump normal.png\n";
+        newmtl fake\nbump normal.png\nnewmtl steep\nbump -bm 2 tilted.png\nnewmtl same\nnorm -bm 2 tilted.png\n";
     let obj = with_corners(
-        "mtllib m.mtl\nusemtl leaf\nf 1 2 3\nusemtl metal\nf 1 2 3\nusemtl bumpy\nf 1 2 3\nusemtl fake\nf 1 2 3\n",
+        "mtllib m.mtl\nusemtl leaf\nf 1 2 3\nusemtl metal\nf 1 2 3\nusemtl bumpy\nf 1 2 3\nusemtl fake\nf 1 2 3\n\
+            usemtl steep\nf 1 2 3\nusemtl same\nf 1 2 3\n",
     );
-    let files = [("m.mtl", &mtl[..]), ("leaf.png", &png(leaf)), ("grey.png", &png(grey)), ("normal.png", &png(normal))];
+    let tilted = png(image::RgbImage::from_raw(1, 1, vec![140, 128, 250]).unwrap());
+    let files = [
+        ("m.mtl", &mtl[..]),
+        ("leaf.png", &png(leaf)),
+        ("grey.png", &png(grey)),
+        ("normal.png", &png(normal)),
+        ("tilted.png", &tilted),
+    ];
     let (file, notes) = read(&obj, &files);
-    let [leaf, metal, bumpy, fake] = [0, 1, 2, 3].map(|i| &file.materials[i]);
+    let [leaf, metal, bumpy, fake, steep, same] = [0, 1, 2, 3, 4, 5].map(|i| &file.materials[i]);
     let holes = leaf.maps.opacity.as_ref().unwrap();
     assert_eq!((holes.factor, holes.texture.as_ref().unwrap().texels.as_slice()), (1.0, &[0.0, 1.0][..]));
     let Surface::Diffuse { reflectance } = &leaf.surface else { panic!("not diffuse") };
@@ -222,6 +230,11 @@ fn maps_make_holes_relief_roughness_and_metal() {
     assert_eq!(metal.maps.metallic.as_ref().unwrap().texture.as_ref().unwrap().texels, [0.0, 1.0]);
     let plain = metal.maps.normals.as_ref().unwrap();
     assert_eq!(plain.texels, fake.maps.normals.as_ref().unwrap().texels, "a normal map by another name");
+    let slope = |of: &crate::material::Material| {
+        let [x, _, z] = of.maps.normals.as_ref().unwrap().texels[0].map(|part| 2.0 * part - 1.0);
+        x / z
+    };
+    assert!((slope(steep) - 2.0 * 25.0 / 245.0).abs() < 1e-4 && slope(steep) == slope(same), "{}", slope(steep));
     assert!(bumpy.maps.normals.is_none() && bumpy.emits());
     assert_eq!(bumpy.emission.texture.as_ref().unwrap().texels[0], [1.0, 0.0, 0.0]);
     assert_eq!(notes, ["material 'bumpy': texture 'gone.png' is missing; it is left out"]);

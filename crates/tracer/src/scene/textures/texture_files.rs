@@ -127,8 +127,9 @@ impl<'a> TextureFiles<'a> {
     pub(in super::super) fn bumps(&mut self, texture: &TextureUse) -> Result<Arc<Texture>, String> {
         let relief = Relief::Heights(texture.strength.to_bits());
         made(&mut self.images, texture, relief, &mut self.normals, |image| {
-            let (size, pixels) = plain_rgb(image);
+            let (size, mut pixels) = plain_rgb(image);
             if is_normal_map(&pixels) {
+                steeper(&mut pixels, texture.strength);
                 return Ok((size, pixels));
             }
             let heights: Vec<f32> = image.to_luma32f().pixels().map(|p| p.0[0]).collect();
