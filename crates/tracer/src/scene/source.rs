@@ -37,14 +37,14 @@ fn decode_utf16(bytes: &[u8], unit: impl Fn([u8; 2]) -> u16) -> String {
 }
 
 /// Logical lines of an OBJ or MTL file with the number of their first physical line: a backslash at the end joins the
-/// next line, comments and blank lines are left out.
+/// next line, unless it ends a comment; lines of comments alone and blank ones are left out.
 pub(super) fn logical_lines(text: &str) -> impl Iterator<Item = (usize, std::borrow::Cow<'_, str>)> {
     // Old Macs end lines with a lone carriage return, which `lines` would not see.
     let mut physical = text.split('\n').flat_map(|l| l.strip_suffix('\r').unwrap_or(l).split('\r')).zip(1..);
     std::iter::from_fn(move || {
         let (first, number) = physical.next()?;
         let mut line = std::borrow::Cow::Borrowed(first);
-        while let Some(start) = line.trim_end().strip_suffix('\\') {
+        while let Some(start) = line.trim_end().strip_suffix('\\').filter(|start| without_comment(start) == *start) {
             let start = start.to_owned();
             let Some((next, _)) = physical.next() else {
                 line = start.into();
@@ -55,6 +55,13 @@ pub(super) fn logical_lines(text: &str) -> impl Iterator<Item = (usize, std::bor
         Some((number, line))
     })
     .filter(|(_, line)| !matches!(line.trim_start().chars().next(), None | Some('#')))
+}
+
+/// A line without its comment, which begins at the start of a word: `1.#INF` has none.
+pub(super) fn without_comment(line: &str) -> &str {
+    let starts = line.match_indices('#').map(|(at, _)| at);
+    let comment = starts.into_iter().find(|&at| line[..at].ends_with(char::is_whitespace) || at == 0);
+    &line[..comment.unwrap_or(line.len())]
 }
 
 #[cfg(test)]
@@ -72,9 +79,11 @@ mod tests {
 
     #[test]
     fn continued_lines_are_joined_and_keep_their_number() {
-        let lines: Vec<_> = logical_lines("# a\nv 1 \\\r\n 2 3\n\n f 1\rg 2\nend \\").collect();
+        let lines: Vec<_> = logical_lines("# a \\\nv 1 \\\r\n 2 3\n\n f 1\rg 2\nend \\").collect();
         let lines: Vec<_> =
             lines.iter().map(|(n, l)| (*n, l.split_whitespace().collect::<Vec<_>>().join(" "))).collect();
         assert_eq!(lines, [(2, "v 1 2 3".into()), (5, "f 1".into()), (6, "g 2".into()), (7, "end".into())]);
+        let numbers = |text| logical_lines(text).map(|(number, _)| number).collect::<Vec<_>>();
+        assert_eq!(numbers("v 1 # C:\\\nv 2\nv a#\\\nv 3\nv 4"), [1, 2, 3, 5], "a comment is not continued");
     }
 }

@@ -5,12 +5,14 @@ mod entry;
 mod maps;
 mod texture_line;
 
+use std::collections::HashMap;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use super::SceneError;
 use super::notes::Notes;
 use super::obj::find_file;
-use super::source::read_text;
+use super::source::{read_text, without_comment};
 use super::textures::TextureFiles;
 use crate::material::Material;
 use entry::MtlEntry;
@@ -20,6 +22,8 @@ use entry::MtlEntry;
 pub(super) struct MtlLibrary {
     folder: PathBuf,
     entries: Vec<MtlEntry>,
+    /// Files that have been read, and which entries they hold.
+    read: HashMap<PathBuf, Range<usize>>,
     missing: Vec<String>,
     fault: Option<SceneError>,
 }
@@ -27,38 +31,44 @@ pub(super) struct MtlLibrary {
 impl MtlLibrary {
     /// A library without materials, for files in `folder`.
     pub(super) fn new(folder: PathBuf) -> Self {
-        Self { folder, entries: vec![], missing: vec![], fault: None }
+        Self { folder, entries: vec![], read: HashMap::new(), missing: vec![], fault: None }
     }
 
-    /// Adds what a `mtllib` line names, one file or several; returns the names of the new materials. Mistakes are kept
-    /// for [`into_materials`](Self::into_materials).
-    pub(super) fn add(&mut self, names: &str) -> Vec<String> {
-        let before = self.entries.len();
-        match find_file(&self.folder, names) {
-            Some(file) => self.add_file(&file),
-            None => names.split_whitespace().for_each(|name| match find_file(&self.folder, name) {
-                Some(file) => self.add_file(&file),
-                None => self.missing.push(name.into()),
-            }),
+    /// Adds what a `mtllib` line names, one file or several, each of which is read once; returns which materials each has.
+    /// Mistakes are kept for [`into_materials`](Self::into_materials).
+    pub(super) fn add(&mut self, names: &str) -> Vec<Range<usize>> {
+        let files = match find_file(&self.folder, names) {
+            Some(file) => vec![file],
+            None => without_comment(names).split_whitespace().filter_map(|name| self.find(name)).collect(),
+        };
+        files.iter().map(|file| self.entries_of(file)).collect()
+    }
+
+    /// Names and indices of the materials in `ranges`.
+    pub(super) fn named(&self, ranges: &[Range<usize>]) -> impl Iterator<Item = (String, u32)> {
+        ranges.iter().cloned().flatten().map(|index| (self.entries[index].name.clone(), index as u32))
+    }
+
+    fn find(&mut self, name: &str) -> Option<PathBuf> {
+        let found = find_file(&self.folder, name);
+        if found.is_none() && !self.missing.iter().any(|missing| missing == name) {
+            self.missing.push(name.into());
         }
-        self.entries[before..].iter().map(|entry| entry.name.clone()).collect()
+        found
     }
 
-    fn add_file(&mut self, file: &Path) {
+    /// Which entries `file` has.
+    fn entries_of(&mut self, file: &Path) -> Range<usize> {
+        if let Some(entries) = self.read.get(file) {
+            return entries.clone();
+        }
+        let first = self.entries.len();
         match read_text(file).and_then(|text| entry::parse(&text, file)) {
             Ok(entries) => self.entries.extend(entries),
             Err(fault) => self.fault = self.fault.take().or(Some(fault)),
         }
-    }
-
-    /// How many materials there are.
-    pub(super) fn len(&self) -> usize {
-        self.entries.len()
-    }
-
-    /// Whether there is a material called `name`.
-    pub(super) fn has(&self, name: &str) -> bool {
-        self.entries.iter().any(|entry| entry.name == name)
+        self.read.insert(file.into(), first..self.entries.len());
+        first..self.entries.len()
     }
 
     /// Index of the material for faces that have none: grey.

@@ -1,6 +1,7 @@
 //! From the pieces of an OBJ file to one mesh.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap, VecDeque};
+use std::ops::Range;
 use std::path::Path;
 
 use glam::{Vec2, Vec3};
@@ -8,15 +9,16 @@ use glam::{Vec2, Vec3};
 use super::super::Mesh;
 use super::super::mtl::MtlLibrary;
 use super::super::notes::Notes;
+use super::super::source::without_comment;
 use super::piece::{Event, KINDS, NONE, Piece};
 use super::polygon::{cut_concave, fan};
 
 /// Puts the pieces of the file `path` together, whose indices all count from the file's first vertex. Materials are looked
-/// for in the libraries named so far, which are read into `library`.
+/// for in the libraries named so far, then in those named later; all are read into `library`.
 pub(super) fn assemble(mut pieces: Vec<Piece>, library: &mut MtlLibrary, path: &Path, notes: &mut Notes) -> Mesh {
     note_left_out(&pieces, path, notes);
     let mut attributes = Attributes::take(&mut pieces);
-    let mut palette = Palette::default();
+    let mut palette = Palette::of(&pieces, library);
     let mut mesh = Mesh::default();
     let faces = pieces.iter().map(|piece| piece.faces).sum();
     mesh.triangles.reserve(faces);
@@ -35,7 +37,7 @@ pub(super) fn assemble(mut pieces: Vec<Piece>, library: &mut MtlLibrary, path: &
         }
         events.for_each(|(_, event)| palette.heed(event, library));
     }
-    palette.note_missing(library, path, notes);
+    palette.note_missing(path, notes);
     if mesh.materials.contains(&NONE) {
         let grey = library.default_material() as u32;
         mesh.materials.iter_mut().filter(|m| **m == NONE).for_each(|m| *m = grey);
@@ -65,35 +67,67 @@ fn note_left_out(pieces: &[Piece], path: &Path, notes: &mut Notes) {
 
 /// Materials by name.
 struct Palette {
+    /// Those of libraries so far, the last one of each name.
     by_name: HashMap<String, u32>,
+    /// Those of all libraries, the first one of each name.
+    anywhere: HashMap<String, u32>,
+    /// The libraries that each statement names, in order, by their materials; but not those that the one before it names, too.
+    to_come: VecDeque<Vec<Range<usize>>>,
     /// Of the faces to come; [`NONE`] when no library has it.
     current: u32,
-    used: BTreeSet<String>,
-}
-
-impl Default for Palette {
-    fn default() -> Self {
-        Self { by_name: HashMap::new(), current: NONE, used: BTreeSet::new() }
-    }
+    missing: BTreeSet<String>,
 }
 
 impl Palette {
-    fn heed(&mut self, event: &Event, library: &mut MtlLibrary) {
+    /// Reads what the statements in `pieces` name into `library`.
+    fn of(pieces: &[Piece], library: &mut MtlLibrary) -> Self {
+        let mut palette = Self {
+            by_name: HashMap::new(),
+            anywhere: HashMap::new(),
+            to_come: VecDeque::new(),
+            current: NONE,
+            missing: BTreeSet::new(),
+        };
+        let mut before = vec![];
+        for (_, event) in pieces.iter().flat_map(|piece| &piece.events) {
+            let Event::Library(names) = event else { continue };
+            let added = library.add(names);
+            let is_new = added != before;
+            palette.to_come.push_back(if is_new { added.clone() } else { vec![] });
+            for (name, index) in library.named(&added).filter(|_| is_new) {
+                palette.anywhere.entry(name).or_insert(index);
+            }
+            before = added;
+        }
+        palette
+    }
+
+    fn heed(&mut self, event: &Event, library: &MtlLibrary) {
         match event {
-            Event::Library(names) => {
-                let first = library.len();
-                let added = library.add(names).into_iter().zip(first as u32..);
-                self.by_name.extend(added);
+            Event::Library(_) => {
+                let libraries = self.to_come.pop_front().unwrap_or_default();
+                self.by_name.extend(library.named(&libraries));
             }
             Event::Use(name) => {
-                self.current = self.by_name.get(name).copied().unwrap_or(NONE);
-                self.used.insert(name.clone());
+                // Names may hold what looks like a comment.
+                let bare = without_comment(name).trim_end();
+                let found = self.find(name).or_else(|| self.find(bare));
+                if found.is_some() || !bare.is_empty() {
+                    self.current = found.unwrap_or(NONE);
+                }
+                if found.is_none() && !bare.is_empty() {
+                    self.missing.insert(bare.into());
+                }
             }
         }
     }
 
-    fn note_missing(&self, library: &MtlLibrary, path: &Path, notes: &mut Notes) {
-        for name in self.used.iter().filter(|name| !library.has(name)) {
+    fn find(&self, name: &str) -> Option<u32> {
+        self.by_name.get(name).or_else(|| self.anywhere.get(name)).copied()
+    }
+
+    fn note_missing(&self, path: &Path, notes: &mut Notes) {
+        for name in &self.missing {
             notes.add(format!("{}: no library has material '{name}'; grey is used", path.display()));
         }
     }

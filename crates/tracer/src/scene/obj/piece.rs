@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::super::source::logical_lines;
+use super::super::source::{logical_lines, without_comment};
 
 /// What a piece holds.
 #[derive(Debug, Default)]
@@ -35,9 +35,9 @@ pub(super) struct Piece {
 /// What changes how the faces after it look.
 #[derive(Debug)]
 pub(super) enum Event {
-    /// A library, or several, by name.
+    /// A library, or several, by name; what may be a comment is part of it.
     Library(String),
-    /// A material, by name.
+    /// A material, by name; what may be a comment is part of it.
     Use(String),
 }
 
@@ -79,6 +79,7 @@ impl Piece {
 
     /// Adds a statement. When it does not read as it should, says what was expected and what was found.
     fn add<'s>(&mut self, statement: &'s str) -> Result<(), (&'static str, &'s str)> {
+        let (_, name) = split_key(statement.trim());
         let statement = without_comment(statement).trim();
         let (key, rest) = split_key(statement);
         match key {
@@ -89,8 +90,8 @@ impl Piece {
                 self.normals.push(Vec3::from_array(normal));
             }
             "f" | "fo" => self.add_face(rest)?,
-            "usemtl" if !rest.is_empty() => self.events.push((self.faces, Event::Use(rest.into()))),
-            "mtllib" if !rest.is_empty() => self.events.push((self.faces, Event::Library(rest.into()))),
+            "usemtl" if !name.is_empty() => self.events.push((self.faces, Event::Use(name.into()))),
+            "mtllib" if !name.is_empty() => self.events.push((self.faces, Event::Library(name.into()))),
             "p" => self.skipped[0] += 1,
             "l" => self.skipped[1] += 1,
             "curv" | "curv2" | "surf" => self.skipped[2] += 1,
@@ -220,13 +221,6 @@ fn physical_lines(text: &str) -> usize {
 fn split_key(statement: &str) -> (&str, &str) {
     let end = statement.find(|c: char| c.is_ascii_whitespace()).unwrap_or(statement.len());
     (&statement[..end], statement[end..].trim_start())
-}
-
-/// A line without its comment, which begins at the start of a word: `1.#INF` has none.
-fn without_comment(line: &str) -> &str {
-    let starts = line.match_indices('#').map(|(at, _)| at);
-    let comment = starts.into_iter().find(|&at| line[..at].ends_with(char::is_whitespace) || at == 0);
-    &line[..comment.unwrap_or(line.len())]
 }
 
 /// A position, perhaps with a weight that divides it, or with a colour, which is left out.

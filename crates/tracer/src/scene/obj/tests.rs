@@ -174,6 +174,20 @@ fn materials_come_from_libraries_by_name() {
 }
 
 #[test]
+fn names_may_hold_signs_of_comments_and_libraries_may_come_late_or_twice() {
+    let obj = with_corners(
+        "usemtl late\nf 1 2 3\nmtllib m #1.mtl\n# C:\\\nusemtl Material #25\nf 1 2 3\nusemtl late # the wall\nf 1 2 3\n\
+            mtllib m #1.mtl\nusemtl #\nf 1 2 3\nusemtl none # here\nf 1 2 3\n",
+    );
+    let library: (&str, &[u8]) = ("m #1.mtl", b"newmtl Material #25\nnewmtl late\n");
+    let (file, notes) = read(&obj, &[library]);
+    let names = file.mesh.materials.iter().map(|&m| file.materials[m as usize].name.as_str());
+    assert_eq!(names.collect::<Vec<_>>(), ["late", "Material #25", "late", "late", "default"]);
+    assert_eq!((file.materials.len(), notes.len()), (3, 1), "read once: {notes:?}");
+    assert!(notes[0].contains("no library has material 'none'"));
+}
+
+#[test]
 fn textures_are_found_ignoring_case_and_backslashes_and_missed_with_a_note() {
     let image = image::RgbImage::from_pixel(1, 1, image::Rgb([255, 0, 0]));
     let mut png = std::io::Cursor::new(vec![]);
