@@ -11,6 +11,10 @@ use crate::material::{Colour, Material, Surface, SurfaceMaps};
 /// Metals and glass smoother than this are perfectly smooth: their highlight is narrower than any pixel.
 const SMOOTH_ALPHA: f32 = 1e-3;
 
+/// Glass whose index is as near to 1 as this does not bend light, however rough it is: between a direction and its opposite there
+/// is no telling which facet refracts.
+const CLEAR: f32 = 1e-5;
+
 /// A direction chosen by [`Bsdf::sample_direction`].
 #[derive(Clone, Copy, Debug)]
 pub struct DirectionSample {
@@ -166,13 +170,19 @@ pub(crate) fn may_be_specular(material: &Material) -> bool {
     let is_smooth = |alpha: f32| alpha < SMOOTH_ALPHA || maps.roughness.is_some();
     match &material.surface {
         Surface::Mirror { .. } | Surface::ThinGlass { .. } => true,
-        Surface::Glass { alpha, .. } | Surface::Conductor { alpha, .. } => is_smooth(*alpha),
+        Surface::Glass { ior, alpha, .. } => is_smooth(*alpha) || is_clear(*ior),
+        Surface::Conductor { alpha, .. } => is_smooth(*alpha),
         // Only a map can make all of a coated surface metal in places.
         Surface::Coated { alpha, .. } => {
             maps.metallic.as_ref().is_some_and(|metallic| metallic.texture.is_some()) && is_smooth(*alpha)
         }
         Surface::Diffuse { .. } => false,
     }
+}
+
+/// Whether glass of refractive index `ior` lets all light pass straight.
+fn is_clear(ior: f32) -> bool {
+    (ior - 1.0).abs() < CLEAR
 }
 
 /// `direction` with a z above zero, which rounding may have taken from it.
@@ -200,7 +210,7 @@ fn lobe_at(interaction: &Interaction, outside: bool, cosine: f32) -> (Lobe, Vec3
             let transmittance = colour(transmittance);
             let eta = if outside { *ior } else { 1.0 / ior };
             let alpha_here = roughness(alpha).min(1.0);
-            if alpha_here < SMOOTH_ALPHA {
+            if alpha_here < SMOOTH_ALPHA || is_clear(*ior) {
                 return (Lobe::Glass(Glass { eta, transmittance }), transmittance);
             }
             let albedo = maps.glass_albedo(*ior, *alpha).directional(outside, alpha_here, cosine);

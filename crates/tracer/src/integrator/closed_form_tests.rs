@@ -235,6 +235,7 @@ fn mirrors_and_glass_keep_all_light_of_a_uniform_sky() {
         (Surface::Conductor { reflectance: grey(1.0), alpha: 1e-4 }, 1e-6),
         (Surface::Glass { ior: 1.5, transmittance: grey(1.0), alpha: 0.0 }, 1e-4),
         (Surface::Glass { ior: 1.0, transmittance: grey(1.0), alpha: 0.0 }, 1e-6),
+        (Surface::Glass { ior: 1.0, transmittance: grey(1.0), alpha: 0.09 }, 1e-6),
         (Surface::ThinGlass { ior: 1.5, transmittance: grey(1.0) }, 1e-6),
     ] {
         let scene = Pieces::default().sphere(1.0, (surface, 0.0)).under(Some(1.0));
