@@ -150,6 +150,15 @@ fn white_surfaces_lose_no_light_however_metallic_they_are() {
 }
 
 #[test]
+fn a_black_coat_is_none() {
+    let bare = Coated::new(Vec3::splat(0.5), Vec3::ZERO, 0.0, 0.3, 0.1);
+    for incoming in [towards(0.1), towards(0.7)] {
+        let value = Lobe::Coated(bare).evaluate(towards(0.1), incoming).x;
+        assert!((value - 0.5 * incoming.z / std::f32::consts::PI).abs() < 1e-6, "{value}");
+    }
+}
+
+#[test]
 fn a_surface_becomes_metal_without_a_step() {
     let colour = Vec3::new(0.9, 0.6, 0.3);
     for_each_angle_and_roughness(|cosine, alpha| {

@@ -76,7 +76,8 @@ impl Split {
         Self(Vec3::new(a, b, (1.0 - a) * (1.0 - b / a)))
     }
 
-    /// Share of light that a coat reflects in all directions together which reflects `specular` at normal incidence.
+    /// Share of light that a coat reflects in all directions together which reflects `specular` at normal incidence. Black is no
+    /// coat: what it would reflect at grazing angles is not there.
     #[inline]
     pub(super) fn reflected(&self, specular: Vec3) -> Vec3 {
         Vec3::ONE - self.passed(specular)
@@ -91,7 +92,7 @@ impl Split {
     /// How that depends on the direction: without the factor 1 − F₀, which a white coat makes 0.
     #[inline]
     pub(super) fn passed_shape(&self, specular: Vec3) -> Vec3 {
-        Vec3::splat(1.0 - self.0.y) + specular * self.0.z
+        Vec3::splat(1.0 - grazing(specular) * self.0.y) + specular * self.0.z
     }
 
     /// All that is reflected ÷ what is reflected once.
@@ -99,6 +100,12 @@ impl Split {
     pub(super) fn compensation(&self, specular: Vec3) -> Vec3 {
         Vec3::ONE + specular * ((1.0 - self.0.x) / self.0.x)
     }
+}
+
+/// Reflectance of a coat at grazing angles.
+#[inline]
+pub(super) fn grazing(specular: Vec3) -> f32 {
+    if specular == Vec3::ZERO { 0.0 } else { 1.0 }
 }
 
 fn tabulate(alpha: f32) -> Row {
@@ -152,7 +159,7 @@ mod tests {
             for cosine in [0.004, 0.03, 0.1, 0.21, 0.47, 0.7, 0.93, 1.0] {
                 let Vec2 { x: a, y: b } = integrate(alpha, cosine, 400);
                 let found = at_roughness(alpha).directional(cosine);
-                for specular in [0.0, 0.04, 0.5, 1.0] {
+                for specular in [0.01, 0.04, 0.5, 1.0] {
                     let single = specular * a + (1.0 - specular) * b;
                     let exact = single * (1.0 + specular * (1.0 - a) / a);
                     worst = worst.max((found.reflected(Vec3::splat(specular)).x - exact).abs());

@@ -26,7 +26,7 @@ use std::f32::consts::{FRAC_1_PI, PI};
 
 use glam::{Vec2, Vec3};
 
-use super::coat_albedo::{self, CoatAlbedo};
+use super::coat_albedo::{self, CoatAlbedo, grazing};
 use super::ggx::Ggx;
 use super::{Scattered, fresnel};
 use crate::sampler::warp::{cosine_hemisphere_pdf, sample_cosine_hemisphere};
@@ -60,7 +60,10 @@ impl Coated {
         let base = below * seen.passed_shape(specular) / albedo.mean().passed_shape(specular) * FRAC_1_PI;
         let mixed = |coat: Vec3, metal: Vec3| coat.lerp(metal, metallic);
         let more = [specular, diffuse].map(|reflectance| seen.compensation(reflectance));
-        let facets = [mixed(specular * more[0], diffuse * more[1]), mixed(more[0], more[1])];
+        let facets = [
+            mixed(specular * more[0], diffuse * more[1]),
+            mixed(grazing(specular) * more[0], grazing(diffuse) * more[1]),
+        ];
         let coat = mixed(seen.reflected(specular), seen.reflected(diffuse)).element_sum();
         let below = (below * seen.passed(specular)).element_sum();
         let coat_share = if coat + below > 0.0 { coat / (coat + below) } else { 0.0 };
@@ -90,8 +93,8 @@ impl Coated {
     #[inline]
     pub(super) fn evaluate(&self, outgoing: Vec3, incoming: Vec3) -> Vec3 {
         let (coat, facet_cosine) = self.ggx.evaluate(outgoing, incoming);
-        let [facing, grazing] = self.facets;
-        coat * facing.lerp(grazing, fresnel::schlick_weight(facet_cosine)) + self.evaluate_base(incoming)
+        let [facing, sideways] = self.facets;
+        coat * facing.lerp(sideways, fresnel::schlick_weight(facet_cosine)) + self.evaluate_base(incoming)
     }
 
     /// The part of [`evaluate`](Self::evaluate) that light takes through the base.

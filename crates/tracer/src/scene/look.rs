@@ -10,8 +10,8 @@ use crate::material::{Colour, Grey, Surface};
 pub(super) struct Look {
     /// Colour of the diffuse base, of the metal, or tint of the glass.
     pub(super) base: Colour,
-    /// Reflectance of the coat at normal incidence.
-    pub(super) coat: Colour,
+    /// Reflectance of the coat at normal incidence; black takes it off. `None` where nothing was said.
+    pub(super) coat: Option<Colour>,
     /// GGX α; `None` where nothing was said.
     pub(super) alpha: Option<f32>,
     /// Whether all of it is metal.
@@ -33,10 +33,9 @@ const SMOOTH: f32 = 0.01;
 impl Look {
     /// A look that makes `surface` again.
     pub(super) fn of(surface: &Surface) -> Self {
-        let bare = Colour::constant(Vec3::ZERO);
         let plain = |base: &Colour| Self {
             base: base.clone(),
-            coat: bare.clone(),
+            coat: None,
             alpha: None,
             metal: false,
             transmission: 0.0,
@@ -56,7 +55,7 @@ impl Look {
                 Self { transmission: 1.0, thin: true, ior: *ior, ..plain(transmittance) }
             }
             Surface::Coated { diffuse, specular, alpha } => {
-                Self { coat: specular.clone(), alpha: Some(*alpha), ..plain(diffuse) }
+                Self { coat: Some(specular.clone()), alpha: Some(*alpha), ..plain(diffuse) }
             }
         }
     }
@@ -65,11 +64,11 @@ impl Look {
     pub(super) fn set_ior(&mut self, ior: f32) {
         self.ior = ior;
         let r = (ior - 1.0) / (ior + 1.0);
-        self.coat = Colour::constant(Vec3::splat(r * r));
+        self.coat = Some(Colour::constant(Vec3::splat(r * r)));
     }
 
-    /// The surface. Roughness without a coat brings the common one.
-    pub(super) fn surface(self) -> Surface {
+    /// The surface, which may be metal in part. Roughness or metal bring the common coat, where nothing is said of one.
+    pub(super) fn surface(self, partly_metal: bool) -> Surface {
         if self.transmission >= 0.5 {
             let (ior, transmittance) = (self.ior, capped(self.base));
             return match self.thin {
@@ -80,13 +79,14 @@ impl Look {
         if self.metal {
             return metal(self.base, self.alpha);
         }
-        let bare = self.coat.factor == Vec3::ZERO;
-        let Some(alpha) = self.alpha.or((!bare).then_some(1.0)) else {
-            return Surface::Diffuse { reflectance: capped(self.base) };
+        let coat = match self.coat {
+            Some(coat) if coat.factor == Vec3::ZERO && !partly_metal => None,
+            None if self.alpha.is_none() && !partly_metal => None,
+            coat => Some(coat.unwrap_or(Colour::constant(Vec3::splat(COMMON_COAT)))),
         };
-        let coat = if bare { Colour::constant(Vec3::splat(COMMON_COAT)) } else { self.coat };
+        let Some(coat) = coat else { return Surface::Diffuse { reflectance: capped(self.base) } };
         // The base is what light finds that the coat lets in: both may be bright.
-        Surface::Coated { diffuse: capped(self.base), specular: capped(coat), alpha }
+        Surface::Coated { diffuse: capped(self.base), specular: capped(coat), alpha: self.alpha.unwrap_or(1.0) }
     }
 }
 
@@ -135,7 +135,7 @@ mod tests {
             Surface::Coated { diffuse: c(0.5), specular: c(0.04), alpha: 0.1 },
         ];
         for surface in surfaces {
-            assert_eq!(format!("{:?}", Look::of(&surface).surface()), format!("{surface:?}"));
+            assert_eq!(format!("{:?}", Look::of(&surface).surface(false)), format!("{surface:?}"));
         }
     }
 
@@ -143,14 +143,27 @@ mod tests {
     fn a_base_keeps_its_colour_below_a_coat() {
         let mut look = Look::of(&Surface::Diffuse { reflectance: Colour::constant(Vec3::ONE) });
         look.alpha = Some(0.25);
-        let Surface::Coated { diffuse, specular, .. } = look.surface() else { panic!("no coat") };
+        let Surface::Coated { diffuse, specular, .. } = look.surface(false) else { panic!("no coat") };
         assert_eq!((diffuse.factor, specular.factor), (Vec3::ONE, Vec3::splat(COMMON_COAT)));
+    }
+
+    #[test]
+    fn a_coat_that_reflects_nothing_is_none() {
+        let white = || Look::of(&Surface::Diffuse { reflectance: Colour::constant(Vec3::ONE) });
+        let mut without = Look { alpha: Some(0.25), ..white() };
+        without.set_ior(1.0);
+        assert!(matches!(without.clone().surface(false), Surface::Diffuse { .. }));
+        let Surface::Coated { specular, .. } = without.surface(true) else { panic!("metal in part is coated") };
+        assert_eq!(specular.factor, Vec3::ZERO);
+        assert!(
+            matches!(white().surface(true), Surface::Coated { alpha: 1.0, specular, .. } if specular.factor.x == COMMON_COAT)
+        );
     }
 
     #[test]
     fn glass_of_common_index_has_the_common_coat() {
         let mut look = Look::of(&Surface::Diffuse { reflectance: Colour::constant(Vec3::ONE) });
         look.set_ior(1.5);
-        assert!((look.coat.factor.x - COMMON_COAT).abs() < 1e-6);
+        assert!((look.coat.unwrap().factor.x - COMMON_COAT).abs() < 1e-6);
     }
 }

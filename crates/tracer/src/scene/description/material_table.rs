@@ -180,7 +180,7 @@ impl MaterialChange {
             look.set_ior(ior);
         }
         if let Some(change) = &self.specular {
-            look.coat = change.read(files)?;
+            look.coat = Some(change.read(files)?);
         }
         if let Some(change) = &self.emission {
             material.emission = change.read(files)?;
@@ -191,7 +191,7 @@ impl MaterialChange {
         if let Some((kind, image)) = &self.relief {
             material.maps.normals = Some(read_relief(*kind, image, files)?);
         }
-        material.surface = look.surface();
+        material.surface = look.surface(material.maps.metallic.is_some());
         Ok(())
     }
 
@@ -209,8 +209,6 @@ impl MaterialChange {
         }
         if let Some(change) = &self.metallic {
             (look.metal, maps.metallic) = metalness(change.read(files, Channel::Luminance)?);
-            // Only a coated surface can be metal in part.
-            look.alpha = look.alpha.or(maps.metallic.is_some().then_some(1.0));
         }
         if let Some(change) = &self.alpha {
             let opacity = change.read(files, Channel::Alpha)?;

@@ -88,19 +88,19 @@ impl Reader<'_> {
         let metal;
         (metal, maps.metallic) = metalness(metallic);
         let roughness = pbr.roughness_factor();
-        let surface = self.look(&one, base, metal, roughness * roughness).surface();
+        let surface = self.look(&one, base, metal, roughness * roughness).surface(maps.metallic.is_some());
         Material { name: one.name, surface, emission, maps }
     }
 
     fn look(&mut self, one: &One, base: Colour, metal: bool, alpha: f32) -> Look {
-        let coat = Colour::constant(Vec3::splat(COMMON_COAT));
-        let mut look = Look { base, coat, alpha: Some(alpha), metal, transmission: 0.0, thin: false, ior: 1.5 };
+        let mut look = Look { base, coat: None, alpha: Some(alpha), metal, transmission: 0.0, thin: false, ior: 1.5 };
         if let Some(ior) = one.material.ior().filter(|ior| *ior >= 1.0) {
             look.set_ior(ior);
         }
         if let Some(specular) = one.material.specular() {
             let factor = specular.specular_factor() * Vec3::from(specular.specular_color_factor());
-            look.coat.factor = (look.coat.factor * factor).clamp(Vec3::ZERO, Vec3::ONE);
+            let coat = look.coat.map_or(Vec3::splat(COMMON_COAT), |coat| coat.factor);
+            look.coat = Some(Colour::constant((coat * factor).clamp(Vec3::ZERO, Vec3::ONE)));
             if specular.specular_texture().is_some() || specular.specular_color_texture().is_some() {
                 self.ignore(one, "textures of specular reflection");
             }

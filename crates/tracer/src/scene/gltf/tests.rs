@@ -175,6 +175,9 @@ fn materials_are_made_of_what_there_is_a_surface_for() {
     let shiny = with(r#""KHR_materials_ior": { "ior": 2 }, "KHR_materials_specular": { "specularFactor": 0.5 }"#);
     let Surface::Coated { specular, .. } = surface(&shiny) else { panic!() };
     assert!(is(&specular, [1.0 / 18.0; 3]), "half of 1/9");
+    for bare in [r#""KHR_materials_ior": { "ior": 1 }"#, r#""KHR_materials_specular": { "specularFactor": 0 }"#] {
+        assert!(matches!(surface(&with(bare)), Surface::Diffuse { .. }), "{bare}");
+    }
     let pane = r#""KHR_materials_transmission": { "transmissionFactor": 1 }"#;
     assert!(matches!(surface(&with(pane)), Surface::ThinGlass { ior: 1.5, .. }));
     let ball = format!(

@@ -142,6 +142,9 @@ fn materials_are_changed_by_name() {
     assert!(matches!(changed("transmission = 1\nroughness = 0.5").surface, Surface::Glass { alpha: 0.25, .. }));
     assert!(matches!(changed("transmission = 1\nthin = true").surface, Surface::ThinGlass { ior: 1.5, .. }));
     assert_eq!(changed("alpha = 0.25").maps.opacity.unwrap().factor, 0.25);
+    for bare in ["roughness = 0.1\nspecular = 0", "roughness = 0.1\nior = 1"] {
+        assert!(matches!(changed(bare).surface, Surface::Diffuse { .. }), "{bare}");
+    }
     let coat = changed("roughness = 0.1\nspecular = 0.08").surface;
     assert!(
         matches!(coat, Surface::Coated { specular, diffuse, .. } if specular.factor == Vec3::splat(0.08) && diffuse.factor == base)

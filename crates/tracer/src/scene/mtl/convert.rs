@@ -35,8 +35,13 @@ impl MtlEntry {
         if let Some((_, notes)) = &mut read {
             self.note_ignored(notes);
         }
-        let maps = self.maps(read);
-        Material { name: self.name.clone(), surface: self.surface(diffuse, specular), emission, maps }
+        let surface = self.surface(diffuse, specular);
+        let mut maps = self.maps(read);
+        if matches!(surface, Surface::Diffuse { .. }) {
+            // Where nothing says how wide its highlights are, it has none, and no metal.
+            maps.metallic = None;
+        }
+        Material { name: self.name.clone(), surface, emission, maps }
     }
 
     fn textured(&self, colour: Colour, line: &TextureUse, files: &mut TextureFiles, notes: &mut Notes) -> Colour {
@@ -222,7 +227,8 @@ mod tests {
         assert_eq!(nearly.maps.metallic.map(|metallic| metallic.factor), Some(0.996));
         let Surface::Coated { diffuse, specular, alpha: 1.0 } = nearly.surface else { panic!("no coat") };
         assert_eq!((constant(&diffuse), constant(&specular)), ([1.0, 0.5, 0.0], [0.5; 3]));
-        assert!(convert("Pm 0\nPr 1").maps.metallic.is_none() && convert("Pm 1\nPr 1").maps.metallic.is_none());
+        assert!(convert("Pm .5").maps.metallic.is_none() && convert("Pm 0\nPr 1").maps.metallic.is_none());
+        assert!(convert("Pm 1\nPr 1").maps.metallic.is_none());
     }
 
     #[test]
