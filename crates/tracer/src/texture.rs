@@ -1,5 +1,7 @@
 //! Images on surfaces.
 
+use std::sync::OnceLock;
+
 use glam::{Mat2, Vec2, Vec3};
 
 /// A decoded image, looked up bilinearly with coordinates that repeat or stop at the border.
@@ -17,6 +19,8 @@ pub struct Raster<T> {
     pub offset: Vec2,
     /// What lies outside of it, to the sides and above and below.
     pub wrap: [Wrap; 2],
+    /// Of numbers, the least and the greatest; found out when first needed.
+    pub(crate) range: OnceLock<[f32; 2]>,
 }
 
 /// What lies outside of an image, along one axis.
@@ -84,7 +88,15 @@ impl<T: Texel> Raster<T> {
     /// When there are not `width` × `height` texels, or none: that is a mistake in the calling code.
     pub fn new(width: usize, height: usize, texels: Vec<T>) -> Self {
         assert!(!texels.is_empty() && texels.len() == width * height, "texels must fill the image");
-        Self { width, height, texels, map: Mat2::IDENTITY, offset: Vec2::ZERO, wrap: [Wrap::Repeat; 2] }
+        Self {
+            width,
+            height,
+            texels,
+            map: Mat2::IDENTITY,
+            offset: Vec2::ZERO,
+            wrap: [Wrap::Repeat; 2],
+            range: OnceLock::new(),
+        }
     }
 
     /// What the image shows at texture coordinates `uv` (origin at the image's bottom left, as OBJ has it).
@@ -107,6 +119,14 @@ impl GreyTexture {
     pub fn constant(&self) -> Option<f32> {
         let first = self.texels[0];
         self.texels.iter().all(|texel| *texel == first).then_some(first)
+    }
+
+    /// The least and the greatest of its numbers, but for those that are NaN.
+    pub fn range(&self) -> [f32; 2] {
+        *self.range.get_or_init(|| {
+            let wider = |[least, greatest]: [f32; 2], texel: &f32| [least.min(*texel), greatest.max(*texel)];
+            self.texels.iter().fold([f32::INFINITY, f32::NEG_INFINITY], wider)
+        })
     }
 }
 
@@ -196,6 +216,7 @@ mod tests {
         let grey = GreyTexture::new(2, 2, vec![1.0, 0.0, 0.5, 0.25]);
         assert_eq!(grey.lookup(Vec2::new(0.25, 0.75)), 1.0);
         assert_eq!(grey.lookup(Vec2::new(0.5, 0.25)), 0.375);
+        assert_eq!(grey.range(), [0.0, 1.0]);
     }
 
     #[test]

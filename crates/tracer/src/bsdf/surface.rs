@@ -6,7 +6,7 @@ use super::frame::Frame;
 use super::{Coated, Conductor, Diffuse, Glass, Lobe, Mirror, RoughGlass, Scattered, ThinGlass, fresnel};
 use crate::interaction::Interaction;
 use crate::light::Receiver;
-use crate::material::{Colour, Material, Surface, SurfaceMaps};
+use crate::material::{Colour, Grey, Material, Surface, SurfaceMaps};
 
 /// Metals and glass smoother than this are perfectly smooth: their highlight is narrower than any pixel.
 const SMOOTH_ALPHA: f32 = 1e-3;
@@ -167,17 +167,21 @@ impl Bsdf {
 /// Whether a surface of `material` scatters into single directions only, anywhere.
 pub(crate) fn may_be_specular(material: &Material) -> bool {
     let maps = &material.maps;
-    let is_smooth = |alpha: f32| alpha < SMOOTH_ALPHA || maps.roughness.is_some();
+    let least = maps.roughness.as_ref().map_or(1.0, |map| map.range()[0].max(0.0));
+    let is_smooth = |alpha: f32| alpha * least.powi(2) < SMOOTH_ALPHA;
     match &material.surface {
         Surface::Mirror { .. } | Surface::ThinGlass { .. } => true,
         Surface::Glass { ior, alpha, .. } => is_smooth(*alpha) || is_clear(*ior),
         Surface::Conductor { alpha, .. } => is_smooth(*alpha),
-        // Only a map can make all of a coated surface metal in places.
-        Surface::Coated { alpha, .. } => {
-            maps.metallic.as_ref().is_some_and(|metallic| metallic.texture.is_some()) && is_smooth(*alpha)
-        }
+        // What is metal is a conductor.
+        Surface::Coated { alpha, .. } => maps.metallic.as_ref().is_some_and(may_be_whole) && is_smooth(*alpha),
         Surface::Diffuse { .. } => false,
     }
+}
+
+/// Whether `share` is 1 somewhere.
+fn may_be_whole(share: &Grey) -> bool {
+    share.factor * share.texture.as_ref().map_or(1.0, |map| map.range()[1]) >= 1.0
 }
 
 /// Whether glass of refractive index `ior` lets all light pass straight.
@@ -367,6 +371,22 @@ mod tests {
         }
         let diffuse = self::material(Surface::Diffuse { reflectance: grey(0.5) });
         assert_eq!(seen(&diffuse, [Vec3::Z; 2], Vec3::Z).even_share(Vec3::Z), Vec3::ONE);
+    }
+
+    #[test]
+    fn a_map_makes_a_surface_specular_only_where_it_is_smooth() {
+        let map = |texels: [f32; 2]| Some(std::sync::Arc::new(crate::texture::GreyTexture::new(2, 1, texels.into())));
+        let mapped = |surface: Surface, roughness, metallic: [f32; 2]| {
+            let mut material = material(surface);
+            material.maps.roughness = map(roughness);
+            material.maps.metallic = Some(Grey { factor: 1.0, texture: map(metallic) });
+            may_be_specular(&material)
+        };
+        let metal = || Surface::Conductor { reflectance: grey(0.5), alpha: 1.0 };
+        let coated = || Surface::Coated { diffuse: grey(0.5), specular: grey(0.1), alpha: 1.0 };
+        assert!(mapped(metal(), [0.0, 0.5], [0.0; 2]) && !mapped(metal(), [0.1, 0.5], [0.0; 2]));
+        assert!(mapped(coated(), [0.0, 0.5], [0.0, 1.0]));
+        assert!(!mapped(coated(), [0.1, 0.5], [0.0, 1.0]) && !mapped(coated(), [0.0, 0.5], [0.0, 0.9]));
     }
 
     #[test]

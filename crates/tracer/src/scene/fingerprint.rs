@@ -122,7 +122,7 @@ impl Surfaces {
     fn raster<T>(&mut self, raster: Option<&Arc<Raster<T>>>, add: impl Fn(&T, &mut Digest)) {
         let Some(raster) = raster else { return self.digest.debug(&"none") };
         let number = *self.textures.entry(Arc::as_ptr(raster) as usize).or_insert_with(|| {
-            let Raster { width, height, texels, map, offset, wrap } = &**raster;
+            let Raster { width, height, texels, map, offset, wrap, range: _ } = &**raster;
             let mut digest = Digest::new();
             digest.debug(&(width, height, map, offset, wrap));
             texels.iter().for_each(|texel| add(texel, &mut digest));
