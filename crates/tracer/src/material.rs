@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use glam::{Vec2, Vec3};
 
-use crate::bsdf::{GlassAlbedo, MetalAlbedo};
+use crate::bsdf::{GlassAlbedo, MetalAlbedo, SharedTables, Table};
 use crate::texture::{GreyTexture, Texture};
 
 /// A colour that may vary over the surface: a constant, times a texture when there is one. Linear RGB.
@@ -68,21 +68,30 @@ pub struct SurfaceMaps {
     pub roughness: Option<Arc<GreyTexture>>,
     /// Share of a coated surface that is a metal of the base's colour, 0 … 1.
     pub metallic: Option<Grey>,
-    /// What single scattering by rough glass sends on; found out when first needed.
-    glass_albedo: OnceLock<GlassAlbedo>,
+    /// What single scattering by rough glass sends on; found out when first needed, for all materials alike.
+    glass_albedo: OnceLock<Table<GlassAlbedo>>,
     /// The same of rough metal.
-    metal_albedo: OnceLock<MetalAlbedo>,
+    metal_albedo: OnceLock<Table<MetalAlbedo>>,
 }
+
+/// Tables of metal, by the bits of the only roughness.
+static METALS: SharedTables<Option<u32>, MetalAlbedo> = SharedTables::new();
+
+/// Tables of glass, by the bits of refractive index and only roughness.
+static GLASSES: SharedTables<(u32, Option<u32>), GlassAlbedo> = SharedTables::new();
 
 impl SurfaceMaps {
     /// Of rough glass of refractive index `ior` and roughness `alpha`, which the map may lower.
     pub(crate) fn glass_albedo(&self, ior: f32, alpha: f32) -> &GlassAlbedo {
-        self.glass_albedo.get_or_init(|| GlassAlbedo::new(ior, self.only(alpha)))
+        let only = self.only(alpha);
+        let table = self.glass_albedo.get_or_init(|| GLASSES.of((ior.to_bits(), only.map(f32::to_bits))));
+        table.get_or_init(|| GlassAlbedo::new(ior, only))
     }
 
     /// Of rough metal of roughness `alpha`, which the map may lower.
     pub(crate) fn metal_albedo(&self, alpha: f32) -> &MetalAlbedo {
-        self.metal_albedo.get_or_init(|| MetalAlbedo::new(self.only(alpha)))
+        let only = self.only(alpha);
+        self.metal_albedo.get_or_init(|| METALS.of(only.map(f32::to_bits))).get_or_init(|| MetalAlbedo::new(only))
     }
 
     /// `alpha`, when it is the same everywhere.
@@ -160,5 +169,21 @@ impl Material {
     /// Whether any of it emits.
     pub fn emits(&self) -> bool {
         self.emission.factor != Vec3::ZERO
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn materials_of_the_same_roughness_and_index_share_their_tables() {
+        let rough = SurfaceMaps { roughness: Some(Arc::new(GreyTexture::new(1, 1, vec![0.5]))), ..Default::default() };
+        let [other, plain] = [rough.clone(), SurfaceMaps::default()];
+        assert!(std::ptr::eq(rough.metal_albedo(0.2), other.metal_albedo(0.7)));
+        assert!(!std::ptr::eq(rough.metal_albedo(0.2), plain.metal_albedo(0.2)));
+        let [same, denser] = [SurfaceMaps::default(), SurfaceMaps::default()];
+        assert!(std::ptr::eq(plain.glass_albedo(1.25, 0.3), same.glass_albedo(1.25, 0.3)));
+        assert!(!std::ptr::eq(plain.glass_albedo(1.25, 0.3), denser.glass_albedo(1.5, 0.3)));
     }
 }

@@ -19,6 +19,7 @@ mod glass;
 mod lobe;
 mod mirror;
 mod rough_glass;
+mod shared_tables;
 mod surface;
 mod thin_glass;
 
@@ -38,6 +39,7 @@ pub use glass::Glass;
 pub use lobe::{Lobe, Scattered};
 pub use mirror::Mirror;
 pub use rough_glass::RoughGlass;
+pub(crate) use shared_tables::{SharedTables, Table};
 pub(crate) use surface::may_be_specular;
 pub use surface::{Bsdf, DirectionSample};
 pub use thin_glass::ThinGlass;
