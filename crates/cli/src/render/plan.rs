@@ -70,11 +70,9 @@ fn budget(args: &RenderArgs, scene_spp: Option<u32>) -> Result<Budget> {
     if args.spp == Some(0) {
         return Err(usage("--spp: expected at least 1 sample per pixel, found 0"));
     }
+    // What a scene says of samples is a default: a time or an error that was asked for takes its place.
     let bounded = args.time.is_some() || args.target_error.is_some();
-    let spp = match args.spp.or(scene_spp) {
-        None if bounded => None,
-        spp => Some(spp.unwrap_or(SPP)),
-    };
+    let spp = args.spp.or((!bounded).then_some(scene_spp.unwrap_or(SPP)));
     let (first, spp) = args.samples.map_or((0, spp), |slice| (slice.first, Some(slice.count)));
     Ok(Budget {
         first,
@@ -120,5 +118,24 @@ fn unknown(key: &str) -> String {
     match nearest_name(key, known.iter().map(String::as_str)) {
         Some(nearest) => format!("unknown key '{key}' in [render]; the nearest known one is '{nearest}'"),
         None => format!("unknown key '{key}' in [render]"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+    use crate::args::{Cli, Task};
+
+    #[test]
+    fn a_time_or_an_error_takes_the_place_of_the_samples_a_scene_asks_for() {
+        let spp = |flags: &str| {
+            let line = ["tamis", "render", "s.obj"].into_iter().chain(flags.split_whitespace());
+            let Task::Render(args) = Cli::parse_from(line).command else { panic!("another command") };
+            budget(&args, Some(24)).unwrap().spp
+        };
+        assert_eq!(["", "--spp 3", "--time 5s --spp 3"].map(spp), [Some(24), Some(3), Some(3)]);
+        assert_eq!(["--time 5s", "--target-error 1e-3"].map(spp), [None, None]);
     }
 }
