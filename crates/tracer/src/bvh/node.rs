@@ -67,15 +67,16 @@ impl WideNode {
         self.links[lane]
     }
 
-    /// Distances at which the ray enters each child's box, infinite where it misses the box or enters beyond `t_max`.
+    /// Distances at which the ray enters each child's box, and whether it does before `t_max`, a bit for each lane.
     ///
     /// A ray parallel to a slab and starting in one of its planes gives 0 · ∞ = NaN there. The comparisons are written
     /// so that NaN loses: that plane then does not narrow the interval, which is right, for the closed slab holds the
     /// whole ray. `max` and `min` of the standard library would do too but do not compile to one instruction.
     #[inline]
-    pub(super) fn enter(&self, ray: &SlabRay, t_max: f32) -> [f32; LANES] {
+    pub(super) fn enter(&self, ray: &SlabRay, t_max: f32) -> ([f32; LANES], u32) {
         let mut near = [0.0f32; LANES];
-        let mut far = [t_max; LANES];
+        // Finite, for a slab that a parallel ray misses is entered and left at infinity.
+        let mut far = [t_max.min(f32::MAX); LANES];
         for axis in 0..3 {
             let entry = &self.sides[ray.negative[axis]][axis];
             let exit = &self.sides[1 - ray.negative[axis]][axis];
@@ -86,9 +87,7 @@ impl WideNode {
                 far[lane] = if t < far[lane] { t } else { far[lane] };
             }
         }
-        for lane in 0..LANES {
-            near[lane] = if near[lane] <= far[lane] { near[lane] } else { f32::INFINITY };
-        }
-        near
+        let entered = (0..LANES).map(|lane| u32::from(near[lane] <= far[lane]) << lane).sum();
+        (near, entered)
     }
 }

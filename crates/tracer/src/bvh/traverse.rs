@@ -42,42 +42,62 @@ impl WideBvh {
         stack: &mut [Pending],
     ) {
         let mut height = 0;
-        let mut current = Some(self.root);
-        while let Some(link) = current {
-            current = None;
-            if link.is_leaf() {
-                match visit(link.index(), t_max) {
+        let mut current = self.root;
+        loop {
+            let next = if current.is_leaf() {
+                match visit(current.index(), t_max) {
                     ControlFlow::Continue(t) => t_max = t,
                     ControlFlow::Break(()) => return,
                 }
+                None
             } else {
-                height = self.push_children(link, ray, t_max, stack, height);
-            }
-            while height > 0 && current.is_none() {
-                height -= 1;
-                current = (stack[height].near <= t_max).then_some(stack[height].link);
-            }
+                self.enter(current, ray, t_max, stack, &mut height)
+            };
+            current = match next {
+                Some(link) => link,
+                None => loop {
+                    if height == 0 {
+                        return;
+                    }
+                    height -= 1;
+                    if stack[height].near <= t_max {
+                        break stack[height].link;
+                    }
+                },
+            };
         }
     }
 
-    /// Pushes the children of a node that the ray enters, the nearest on top; returns the new height.
+    /// The nearest child of a node that the ray enters. The others are pushed, the nearest on top.
     #[inline]
-    fn push_children(&self, link: Link, ray: &SlabRay, t_max: f32, stack: &mut [Pending], height: usize) -> usize {
+    fn enter(&self, link: Link, ray: &SlabRay, t_max: f32, stack: &mut [Pending], height: &mut usize) -> Option<Link> {
         let node = &self.nodes[link.index()];
-        let near = node.enter(ray, t_max);
-        let mut top = height;
-        for lane in 0..LANES {
-            if near[lane] == f32::INFINITY {
-                continue;
+        let (near, mut entered) = node.enter(ray, t_max);
+        if entered == 0 {
+            return None;
+        }
+        let mut take = || {
+            let lane = entered.trailing_zeros() as usize % LANES;
+            entered &= entered - 1;
+            (Pending { link: node.link(lane), near: near[lane] }, entered != 0)
+        };
+        let (mut nearest, mut more) = take();
+        let bottom = *height;
+        while more {
+            let mut child;
+            (child, more) = take();
+            // Of those that are entered at the same distance, the last comes first.
+            if child.near <= nearest.near {
+                std::mem::swap(&mut child, &mut nearest);
             }
-            let mut slot = top;
-            while slot > height && stack[slot - 1].near < near[lane] {
+            let mut slot = *height;
+            while slot > bottom && stack[slot - 1].near < child.near {
                 stack[slot] = stack[slot - 1];
                 slot -= 1;
             }
-            stack[slot] = Pending { link: node.link(lane), near: near[lane] };
-            top += 1;
+            stack[slot] = child;
+            *height += 1;
         }
-        top
+        Some(nearest.link)
     }
 }
