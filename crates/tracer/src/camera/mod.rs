@@ -37,23 +37,14 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// The ray through `film` (continuous pixel coordinates, (0, 0) the top left corner) from point `lens` ([0, 1)²) of
-    /// the lens, at share `time` (0 … 1) of the shutter interval.
+    /// The ray through `film`, as of [`rays`](Self::rays), of which one is enough.
     pub fn ray(&self, film: Vec2, lens: Vec2, time: f32) -> Ray {
-        let [right, up, forward] = self.frame();
-        let size = Vec2::new(self.film.width as f32, self.film.height as f32);
-        let plane = (2.0 * film - size) * (0.5 * self.pixel_width());
-        let through = plane.x * right - plane.y * up + forward;
-        let on_lens = self.lens_radius * sample_disc(lens);
-        let offset = on_lens.x * right + on_lens.y * up;
-        let direction = if self.lens_radius > 0.0 { self.focus_distance * through - offset } else { through };
-        let time = self.shutter[0] + time * (self.shutter[1] - self.shutter[0]);
-        let (origin, direction) = (self.eye + offset, direction.normalize());
-        let Some(motion) = &self.motion else { return Ray { origin, direction, t_max: f32::INFINITY, time } };
-        let map = motion.at(time);
-        let origin = map.transform_point3(origin.as_dvec3()).as_vec3();
-        let direction = map.transform_vector3(direction.as_dvec3()).normalize().as_vec3();
-        Ray { origin, direction, t_max: f32::INFINITY, time }
+        self.rays().ray(film, lens, time)
+    }
+
+    /// What sends rays through the film.
+    pub fn rays(&self) -> CameraRays<'_> {
+        CameraRays { camera: self, frame: self.frame(), half_pixel: 0.5 * self.pixel_width() }
     }
 
     /// Width of a pixel in the middle of the picture, at distance 1 from the eye.
@@ -66,6 +57,38 @@ impl Camera {
         let forward = (self.look_at - self.eye).normalize();
         let right = forward.cross(self.up).normalize();
         [right, right.cross(forward), forward]
+    }
+}
+
+/// A camera ready to send rays: what they share is computed once.
+#[derive(Clone, Copy, Debug)]
+pub struct CameraRays<'a> {
+    camera: &'a Camera,
+    /// Unit vectors to the right, up and forward.
+    frame: [Vec3; 3],
+    /// Half of a pixel's width at distance 1.
+    half_pixel: f32,
+}
+
+impl CameraRays<'_> {
+    /// The ray through `film` (continuous pixel coordinates, (0, 0) the top left corner) from point `lens` ([0, 1)²) of
+    /// the lens, at share `time` (0 … 1) of the shutter interval.
+    #[inline]
+    pub fn ray(&self, film: Vec2, lens: Vec2, time: f32) -> Ray {
+        let Self { camera, frame: [right, up, forward], half_pixel } = *self;
+        let size = Vec2::new(camera.film.width as f32, camera.film.height as f32);
+        let plane = (2.0 * film - size) * half_pixel;
+        let through = plane.x * right - plane.y * up + forward;
+        let on_lens = camera.lens_radius * sample_disc(lens);
+        let offset = on_lens.x * right + on_lens.y * up;
+        let direction = if camera.lens_radius > 0.0 { camera.focus_distance * through - offset } else { through };
+        let time = camera.shutter[0] + time * (camera.shutter[1] - camera.shutter[0]);
+        let (origin, direction) = (camera.eye + offset, direction.normalize());
+        let Some(motion) = &camera.motion else { return Ray { origin, direction, t_max: f32::INFINITY, time } };
+        let map = motion.at(time);
+        let origin = map.transform_point3(origin.as_dvec3()).as_vec3();
+        let direction = map.transform_vector3(direction.as_dvec3()).normalize().as_vec3();
+        Ray { origin, direction, t_max: f32::INFINITY, time }
     }
 }
 

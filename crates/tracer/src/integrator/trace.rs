@@ -7,7 +7,7 @@ use stack::{Cancelled, Knobs, Monitor, SampleMap, place};
 use super::caustic::{Caustics, PassPhotons, Photons};
 use super::path::PathTracer;
 use super::{TraceError, TraceSettings, passes};
-use crate::camera::Camera;
+use crate::camera::{Camera, CameraRays};
 use crate::film::{Film, SampleRecord, Tile, TileSums};
 use crate::sampler::{self, Decision, Sampler, Stream};
 use crate::scene::Scene;
@@ -56,7 +56,7 @@ pub fn trace(
     monitor.begin("trace", map.samples());
     let work = Work {
         paths: PathTracer::new(scene, settings),
-        camera,
+        rays: camera.rays(),
         sampler: Sampler::new(settings.seed),
         corner: [film.window().x, film.window().y],
         map,
@@ -107,7 +107,7 @@ fn check(film: &Film, map: &SampleMap, settings: &TraceSettings) -> Result<(), T
 /// Everything a tile needs to know.
 struct Work<'a> {
     paths: PathTracer<'a>,
-    camera: &'a Camera,
+    rays: CameraRays<'a>,
     sampler: Sampler,
     /// Film coordinates of the window's top left pixel.
     corner: [i32; 2],
@@ -169,7 +169,7 @@ impl Work<'_> {
     fn sample_pixel(&self, pixel: [i32; 2], stream: &Stream, photons: Option<&Photons>) -> (SampleRecord, u64) {
         let on_film = Vec2::new(pixel[0] as f32, pixel[1] as f32) + stream.sample_2d(Decision::FILM);
         let lens = stream.sample_2d(Decision::LENS);
-        let ray = self.camera.ray(on_film, lens, stream.sample_1d(Decision::TIME));
+        let ray = self.rays.ray(on_film, lens, stream.sample_1d(Decision::TIME));
         self.paths.follow(ray, stream, photons)
     }
 }
