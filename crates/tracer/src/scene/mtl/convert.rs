@@ -1,18 +1,8 @@
-//! From MTL to [`Material`]. MTL has no physics; this is how its statements are read.
-//!
-//! | Statement | Becomes |
-//! |---|---|
-//! | `Pm` ≥ 1 | metal that reflects `Kd` (or `Ks` where `Kd` is black), roughness `Pr` |
-//! | `illum` 5 | mirror that reflects `Ks` (or `Kd` where there is no `Ks`) |
-//! | `illum` 4, 9 | pane of thin glass of index `Ni` (1.5), tinted by `Tf` |
-//! | `illum` 6, 7, or `d` < 1 with `Ni` | glass of index `Ni` (1.5), tinted by `Tf`; rough by `Pr` |
-//! | `illum` 3, 8 or none, with `Ks` and no `Kd` | metal that reflects `Ks`; a mirror when neither `Ns` nor `Pr` makes it rough |
-//! | `Ks` > 0 with `Ns` or `Pr`, `illum` not 0 or 1; or `Pr`, `Pm` | diffuse under a rough coat |
-//! | else | diffuse `Kd` (grey 0.5 where neither `Kd` nor `map_Kd` is given) |
+//! From MTL to [`Material`]. MTL has no physics; `docs/scene-format.md` says how its statements are read.
 //!
 //! Roughness α is `Pr`², else √(2/(`Ns`+2)): the width of Phong's lobe (Walter et al. 2007, section 5.1, with equal
-//! exponents of the lobe and of the half vector). Diffuse and specular reflectance together are scaled to at most 1 as
-//! a surface cannot reflect more than it gets. `Ke` emits whatever else is said, `map_Ke` colours it.
+//! exponents of the lobe and of the half vector). Diffuse and specular reflectance together are scaled to at most 1, as
+//! a surface cannot reflect more than it gets, where no part of it is metal.
 
 use glam::Vec3;
 
