@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::{fs, io};
 
-use stack::file::Layers;
+use stack::file::{Inputs, Layers, ReadOptions, read_inputs, read_render, read_stack, survey};
 use stack::{Silent, Size, Window};
 use tempfile::TempDir;
 use tracer::camera::CameraDescription;
@@ -97,6 +97,7 @@ impl Target {
             Self::Exr | Self::Pfm => {
                 let file = folder.join(self.file());
                 let sky = sky(&file);
+                weigh(&file);
                 Layers::read(&file).map_err(|error| error.to_string()).and(sky)
             }
             Self::Hdr | Self::Picture => sky(&folder.join(self.file())),
@@ -121,6 +122,22 @@ impl Target {
 /// Reads a map of the sky.
 fn sky(file: &Path) -> Result<(), String> {
     read_environment(file).map(|_| ()).map_err(|error| error.to_string())
+}
+
+/// Reads a stack, when there is one, in every way there is, and looks at its noise.
+fn weigh(file: &Path) {
+    let options = ReadOptions::default();
+    let surveyed = survey(&Inputs::Files(vec![file.into()]), &options).is_ok();
+    let stacks = [read_stack(file).ok(), read_render(file).ok().map(|(read, _)| read)];
+    // Two slices that overlap, so that their headers are compared and no more.
+    let slices = read_inputs(&Inputs::Slices(vec![file.into(), file.into()]), &options).ok();
+    for read in stacks.into_iter().chain([slices]).flatten() {
+        assert!(surveyed, "what can be read can be surveyed");
+        let counts = &read.stack.samples;
+        for component in &read.stack.components {
+            let _ = (component.radiance.variance_of_mean(counts), component.radiance.halves(counts));
+        }
+    }
 }
 
 /// Loads a scene and traces a few paths through it.

@@ -102,7 +102,7 @@ impl SampleCounts {
 
     /// The same for all pixels, to be looked up.
     pub fn grouped(&self, groups: usize) -> GroupCounts<'_> {
-        let most = self.total.iter().copied().max().unwrap_or(0).min(MOST_KNOWN);
+        let most = self.total.iter().copied().max().unwrap_or(0).min(MOST_KNOWN / groups.max(1) as u32);
         let of_total = |total: u32| (0..groups).filter_map(move |group| self.of_total(total, group, groups));
         GroupCounts { counts: self, groups, known: (0..=most).flat_map(of_total).collect() }
     }
@@ -119,7 +119,7 @@ impl SampleCounts {
                         .map(|bucket| numbered_before(n, bucket, *sequences, *buckets))
                         .sum()
                 };
-                Some(upto(self.first + total) - upto(self.first))
+                Some(upto(self.first.saturating_add(total)) - upto(self.first))
             }
         }
     }
@@ -143,8 +143,8 @@ fn sum_of(planes: &[Vec<u32>], pixel: usize, group: usize, groups: usize) -> u32
     planes.iter().skip(group).step_by(groups).fold(0, |sum, plane| sum.saturating_add(plane[pixel]))
 }
 
-/// Totals up to which counts are looked up, where these tell them; those of other pixels are counted anew.
-const MOST_KNOWN: u32 = 1 << 14;
+/// Counts that are looked up, those of all groups together, where totals tell them; those of other pixels are counted anew.
+const MOST_KNOWN: u32 = 1 << 17;
 
 /// Sample counts in groups of buckets: [`SampleCounts::in_group`] for one number of groups, looked up by a pixel's total.
 #[derive(Clone, Debug)]
@@ -166,7 +166,7 @@ impl GroupCounts<'_> {
 /// How many of the samples 0..n fall into `bucket`.
 fn numbered_before(n: u32, bucket: u32, sequences: u32, buckets: u32) -> u32 {
     let (sequence, slot, own) = (bucket % sequences, bucket / sequences, buckets / sequences);
-    let points = (n + sequences - 1 - sequence) / sequences;
+    let points = n / sequences + u32::from(sequence < n % sequences);
     let round = BLOCK * own;
     (points / round) * BLOCK + (points % round).saturating_sub(slot * BLOCK).min(BLOCK)
 }

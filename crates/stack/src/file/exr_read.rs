@@ -31,7 +31,7 @@ const MOST_COMPRESSED_BY_DWA: u128 = MOST_COMPRESSED * 128;
 const SLACK: u128 = 1 << 20;
 
 /// Channels a file may have; more are a mistake, or malice.
-const MOST_CHANNELS: usize = 1 << 14;
+pub(super) const MOST_CHANNELS: usize = 1 << 14;
 
 /// Reads all channels of all parts, of the finest level.
 ///

@@ -1,7 +1,9 @@
 //! Reads what Tamis wrote.
 
 use super::counts::{Spp, rounded};
+use super::exr_read::MOST_CHANNELS;
 use super::found::{Found, FoundRole};
+use super::layers::METADATA;
 use super::loaded::{Loaded, Plane, take_image};
 use super::role::Role;
 use super::write::{SAMPLES, bucket_layer, input_layers};
@@ -19,9 +21,38 @@ pub fn is_own(layers: &Layers) -> bool {
     layers.metadata.is_some() && layers.has("noisy.R")
 }
 
-/// What a file of ours says about itself.
-pub fn header_of(layers: &Layers) -> Option<StackHeader> {
-    layers.metadata.clone().and_then(|json| serde_json::from_value(json).ok())
+/// What a file of ours says about itself; nothing of another program's.
+///
+/// # Errors
+/// When that cannot be.
+pub fn header_of(layers: &Layers) -> Result<Option<StackHeader>, FileError> {
+    let header: Option<StackHeader> = layers.metadata.clone().and_then(|json| serde_json::from_value(json).ok());
+    match header.as_ref().and_then(contradiction) {
+        Some(what) => Err(contradictory(layers, &what)),
+        None => Ok(header),
+    }
+}
+
+/// What is wrong with how `header` deals samples to buckets. Everything that counts them relies on it.
+fn contradiction(header: &StackHeader) -> Option<String> {
+    let StackHeader { sequences, buckets, per_bucket, .. } = header;
+    if *sequences == 0 || *buckets == 0 || buckets % sequences != 0 {
+        return Some(format!("{buckets} buckets of {sequences} sequences; expected one sequence or more, of equally many buckets"));
+    }
+    if *buckets as usize > MOST_CHANNELS {
+        return Some(format!("{buckets} buckets; expected no more than {MOST_CHANNELS}"));
+    }
+    let counts = per_bucket.as_ref()?;
+    if counts.len() != *buckets as usize {
+        return Some(format!("the samples of {} buckets; expected those of {buckets}", counts.len()));
+    }
+    let sum = counts.iter().try_fold(0, |sum: u32, count| sum.checked_add(*count));
+    sum.is_none().then(|| format!("more samples in all buckets than {}", u32::MAX))
+}
+
+fn contradictory(layers: &Layers, what: &str) -> FileError {
+    let reason = format!("its attribute {METADATA} says {what}");
+    FileError::Damaged { path: layers.path.clone(), format: "OpenEXR", reason }
 }
 
 /// Reads a stack of ours.
@@ -64,6 +95,11 @@ fn take_counts(layers: &mut Layers, header: &StackHeader) -> Result<SampleCounts
         Some(rounded(&layers.take(&format!("{layer}.Y"))?, 1.0))
     };
     let total = plane(layers, SAMPLES).ok_or_else(|| missing("sample counts", "samples.Y", layers))?;
+    let most = total.iter().copied().max().unwrap_or(0);
+    if header.first.checked_add(most).is_none() {
+        let (first, last) = (header.first, u32::MAX);
+        return Err(contradictory(layers, &format!("{first} for its first sample; {most} of them end after {last}")));
+    }
     let buckets = header.buckets as usize;
     let planes: Option<Vec<_>> = (0..buckets).map(|b| plane(layers, &bucket_layer(SAMPLES, b, buckets))).collect();
     let dealing = match (&header.per_bucket, planes) {

@@ -92,7 +92,7 @@ pub fn read_buckets(paths: &[PathBuf]) -> Result<ReadStack, FileError> {
 
 fn read_files(files: &[Source], options: &ReadOptions, open: Open<'_>) -> Result<ReadStack, FileError> {
     let (layers, said) = read_sources(files, open)?;
-    match header_of(&layers) {
+    match header_of(&layers)? {
         Some(header) if is_own(&layers) => read_own(layers, header),
         _ => {
             let map = said.into_iter().chain(options.map.iter().cloned()).collect();

@@ -23,7 +23,8 @@ pub struct Record {
 impl Record {
     /// Takes it out of the channels and attributes of a file.
     pub(super) fn take(layers: &mut Layers) -> Self {
-        let header = header_of(layers);
+        // A picture is one whatever stands beside it.
+        let header = header_of(layers).ok().flatten();
         let channel = format!("{SAMPLES}.Y");
         // Elsewhere a layer of this name may hold fractions, or counts of something else.
         let counts = header.is_some().then(|| layers.take(&channel)).flatten();

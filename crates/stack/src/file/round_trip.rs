@@ -68,6 +68,33 @@ fn a_stack_is_read_back_bit_for_bit() {
 }
 
 #[test]
+fn a_header_that_cannot_be_is_refused_and_its_picture_still_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("stack.exr");
+    let wrong = [
+        StackHeader { sequences: 0, ..header() },
+        StackHeader { sequences: 9, ..header() },
+        StackHeader { buckets: 4, ..header() },
+        StackHeader { buckets: 0, ..header() },
+        StackHeader { buckets: 1 << 31, ..header() },
+        StackHeader { per_bucket: Some(vec![3; 7]), ..header() },
+        StackHeader { per_bucket: Some(vec![u32::MAX; 8]), ..header() },
+        StackHeader { first: u32::MAX - 8, ..header() },
+    ];
+    let picture = image(3, 99);
+    let results = [ResultLayer { name: "", channels: &["R", "G", "B"], planes: picture.channels() }];
+    for header in wrong {
+        write_stack(&path, &stack(), true, &header, &results, &Carried::default()).unwrap();
+        let refused = read_stack(&path).unwrap_err().to_string();
+        assert!(refused.contains("its attribute tamis says"), "{header:?}: {refused}");
+        assert_eq!(read_picture_with_record(&path).unwrap().0, picture);
+    }
+    let last = StackHeader { first: u32::MAX - 12, ..header() };
+    write_stack(&path, &stack(), true, &last, &[], &Carried::default()).unwrap();
+    assert_eq!(read_stack(&path).unwrap().stack.samples.in_group(8, 0, 1), 12);
+}
+
+#[test]
 fn equal_stacks_write_equal_bytes() {
     let folder = tempfile::tempdir().unwrap();
     let written = ["a.exr", "b.exr"].map(|name| {

@@ -19,7 +19,7 @@ pub fn read_render(path: &Path) -> Result<(ReadStack, Record), FileError> {
 /// What the header of a render says about it.
 fn checked(layers: Layers) -> Result<(Layers, StackHeader, Record), FileError> {
     let path = || layers.path.clone();
-    let header = header_of(&layers).ok_or_else(|| MergeError::NotOurs { path: path() })?;
+    let header = header_of(&layers)?.ok_or_else(|| MergeError::NotOurs { path: path() })?;
     if !is_own(&layers) {
         return Err(MergeError::NoInputs { path: path() }.into());
     }
