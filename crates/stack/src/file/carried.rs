@@ -3,6 +3,7 @@
 use exr::meta::header::ImageAttributes;
 use exr::prelude::{AttributeValue, IntegerBounds, LayerAttributes, Text, Vec2};
 
+use super::exr_text::{decoded, encoded};
 use super::header_order::CustomNames;
 use crate::{Size, Window};
 
@@ -33,8 +34,8 @@ impl Carried {
 
     /// Takes the text attribute `name` out.
     pub(super) fn take_text(&mut self, name: &str) -> Option<String> {
-        match self.layer.other.remove(&Text::new_or_none(name)?)? {
-            AttributeValue::Text(text) => Some(text.to_string()),
+        match self.layer.other.remove(&encoded(name))? {
+            AttributeValue::Text(text) => Some(decoded(text.bytes())),
             _ => None,
         }
     }
@@ -46,20 +47,20 @@ impl Carried {
             "comments" => self.layer.comments.as_ref(),
             _ => None,
         };
-        known.map(Text::to_string).or_else(|| as_text(self.custom(name)?))
+        known.map(|text| decoded(text.bytes())).or_else(|| as_text(self.custom(name)?))
     }
 
     /// Whether an attribute's name begins with `start` and its value contains `value`.
     pub fn begins_with(&self, start: &str, value: &str) -> bool {
         let says = |text: Option<String>| value.is_empty() || text.is_some_and(|text| text.contains(value));
-        self.all().any(|(name, v)| name.to_string().starts_with(start) && says(as_text(v)))
+        self.all().any(|(name, v)| decoded(name.bytes()).starts_with(start) && says(as_text(v)))
             || (start == "software" && self.text("software").is_some_and(|text| text.contains(value)))
     }
 
     /// The first custom attribute whose name begins and ends as given, as a number.
     pub fn number(&self, (start, end): (&str, &str)) -> Option<f64> {
         let mut found: Vec<(String, &AttributeValue)> =
-            self.all().map(|(name, value)| (name.to_string(), value)).collect();
+            self.all().map(|(name, value)| (decoded(name.bytes()), value)).collect();
         found.retain(|(n, _)| n.len() >= start.len() + end.len() && n.starts_with(start) && n.ends_with(end));
         found.sort_by(|a, b| a.0.cmp(&b.0));
         found.into_iter().find_map(|(_, value)| as_text(value)?.trim().parse().ok())
@@ -75,7 +76,7 @@ impl Carried {
     }
 
     fn custom(&self, name: &str) -> Option<&AttributeValue> {
-        self.all().find_map(|(n, value)| (*n == *name).then_some(value))
+        self.all().find_map(|(n, value)| (n.bytes() == name.as_bytes()).then_some(value))
     }
 
     /// Attributes for a file of one part that covers `window` of `film`, and the names of the custom ones.
@@ -88,17 +89,17 @@ impl Carried {
         };
         let layer = LayerAttributes {
             layer_position: origin + Vec2(window.x, window.y),
-            software_name: Some(Text::from("tamis")),
+            software_name: Some(encoded("tamis")),
             ..self.layer.clone()
         };
-        let names = self.all().map(|(name, _)| name.to_string()).collect();
+        let names = self.all().map(|(name, _)| decoded(name.bytes())).collect();
         (image, layer, names)
     }
 }
 
 fn as_text(value: &AttributeValue) -> Option<String> {
     match value {
-        AttributeValue::Text(text) => Some(text.to_string()),
+        AttributeValue::Text(text) => Some(decoded(text.bytes())),
         AttributeValue::I32(number) => Some(number.to_string()),
         AttributeValue::F32(number) => Some(number.to_string()),
         AttributeValue::F64(number) => Some(number.to_string()),

@@ -16,6 +16,7 @@ use exr::meta::header::Header;
 use exr::prelude::{Compression, FlatSamples, Text, Vec2, f16};
 use rayon::prelude::*;
 
+use super::exr_text::decoded;
 use super::layers::METADATA;
 use super::memory::check_fits;
 use super::{Carried, FileError, Layers, Passthrough};
@@ -181,8 +182,8 @@ fn frame(path: &Path, headers: &[Header]) -> Result<Layers, FileError> {
 /// A channel's name with that of its part in front, where there are several parts and it is not there already (Blender
 /// repeats it).
 fn full_name(header: &Header, parts: usize, channel: &Text) -> String {
-    let channel = channel.to_string();
-    let part = header.own_attributes.layer_name.as_ref().filter(|_| parts > 1).map(Text::to_string);
+    let channel = decoded(channel.bytes());
+    let part = header.own_attributes.layer_name.as_ref().filter(|_| parts > 1).map(|name| decoded(name.bytes()));
     match part {
         Some(part) if !part.is_empty() && !channel.starts_with(&format!("{part}.")) => format!("{part}.{channel}"),
         _ => channel,

@@ -8,6 +8,8 @@ use std::collections::BTreeSet;
 use std::io::{Read, Seek, SeekFrom, Write};
 use std::ops::Range;
 
+use super::exr_text::decoded;
+
 /// Names of attributes that are written in random order.
 pub type CustomNames = BTreeSet<String>;
 
@@ -57,7 +59,7 @@ fn sorted(bytes: &[u8], entries: &[(Range<usize>, String)], names: &CustomNames)
 fn attributes(bytes: &[u8]) -> Option<Vec<(Range<usize>, String)>> {
     let word = |from: usize| {
         let length = bytes.get(from..)?.iter().position(|b| *b == 0)?;
-        Some((String::from_utf8_lossy(&bytes[from..from + length]).into_owned(), from + length + 1))
+        Some((decoded(&bytes[from..from + length]), from + length + 1))
     };
     let mut entries = Vec::new();
     let mut at = PREAMBLE;

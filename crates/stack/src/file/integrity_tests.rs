@@ -6,9 +6,10 @@ use exr::prelude::{
     LayerAttributes, Text, Vec2, WritableImage, f16,
 };
 
+use super::exr_text::encoded;
 use super::test_files::{Files, noise, text};
 use super::*;
-use crate::{Image, Size, Window};
+use crate::{FeatureStack, Image, Size, Window};
 
 const SIZE: Size = Size::new(5, 3);
 
@@ -24,6 +25,7 @@ fn foreign(folder: &Files) -> std::path::PathBuf {
         own.other.insert(Text::from(format!("cryptomatte/{i}/manifest").as_str()), text(&format!("{{\"thing\":{i}}}")));
     }
     own.other.insert(Text::from("weight"), AttributeValue::F64(0.25));
+    own.other.insert(encoded("人/manifest"), AttributeValue::Text(encoded("山")));
     let layer = Layer::new((SIZE.width, SIZE.height), own, Encoding::FAST_LOSSLESS, AnyChannels::sort(channels));
     let mut image = ExrImage::from_layer(layer);
     image.attributes.display_window = IntegerBounds::new((-10, 10), (40, 30));
@@ -77,6 +79,27 @@ fn bits(samples: &FlatSamples) -> (u8, Vec<u32>) {
         FlatSamples::F32(values) => (32, values.iter().map(|v| v.to_bits()).collect()),
         FlatSamples::U32(values) => (0, values.clone()),
     }
+}
+
+#[test]
+fn names_and_settings_in_any_script_survive_and_equal_runs_write_equal_bytes() {
+    let folder = Files::new();
+    let mut read = read_stack(&foreign(&folder)).unwrap();
+    read.stack.passthrough.iter_mut().for_each(|channel| channel.name = format!("カラー.{}", channel.name));
+    let settings = serde_json::json!({"ファイル": "Übung"});
+    let header = StackHeader::of(&read.stack, settings.clone());
+    let written = [0; 4].map(|_| {
+        let path = folder.path("out.exr");
+        write_stack(&path, &read.stack, true, &header, &[], &read.carried).unwrap();
+        std::fs::read(path).unwrap()
+    });
+    assert!(written.iter().all(|bytes| *bytes == written[0]));
+    let again = read_stack(&folder.path("out.exr")).unwrap();
+    assert_eq!(again.header.unwrap().settings, settings);
+    let names = |stack: &FeatureStack| stack.passthrough.iter().map(|c| c.name.clone()).collect::<Vec<_>>();
+    assert_eq!(names(&again.stack), names(&read.stack));
+    assert_eq!(again.carried.text("人/manifest"), read.carried.text("人/manifest"));
+    assert!(again.carried.text("人/manifest").is_some_and(|text| text == "山"));
 }
 
 #[test]

@@ -3,10 +3,11 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use exr::prelude::{AttributeValue, FlatSamples, Text};
+use exr::prelude::{AttributeValue, FlatSamples};
 
 use super::borrowed::BorrowedSamples;
 use super::exr_read::{outline_exr, read_exr, understand};
+use super::exr_text::encoded;
 use super::exr_write::write_exr;
 use super::header_order::sort_attributes;
 use super::pfm::{is_pfm, outline_pfm, read_pfm_layers};
@@ -152,11 +153,12 @@ pub(super) fn write_channels(
     channels: Vec<(String, BorrowedSamples<'_>)>,
 ) -> Result<(), FileError> {
     let (image_attributes, mut attributes, mut names) = frame.carried.for_file(frame.window, frame.film);
-    if let Some(text) = metadata.and_then(|metadata| Text::new_or_none(metadata.to_string())) {
-        attributes.other.insert(Text::from(METADATA), AttributeValue::Text(text));
+    if let Some(metadata) = metadata {
+        let text = AttributeValue::Text(encoded(&metadata.to_string()));
+        attributes.other.insert(encoded(METADATA), text);
         names.insert(METADATA.into());
     }
-    let channels = channels.into_iter().map(|(name, samples)| (Text::from(name.as_str()), samples)).collect();
+    let channels = channels.into_iter().map(|(name, samples)| (encoded(&name), samples)).collect();
     let size = (frame.window.size.width, frame.window.size.height);
     write_atomically(path, |out| {
         write_exr(&mut *out, size, (image_attributes, attributes), channels)

@@ -23,6 +23,7 @@ mod counts;
 mod emission;
 mod error;
 mod exr_read;
+mod exr_text;
 mod exr_write;
 mod found;
 mod header_order;
