@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::Result;
-use stack::file::{FileError, Layers, extension, read_pfm};
+use stack::file::{Action, FileError, Layers, extension, read_pfm};
 use stack::{Image, Size};
 
 use crate::failure::usage;
@@ -35,7 +35,7 @@ fn every_channel(mut layers: Layers) -> Image {
 }
 
 fn decode(file: &Path) -> Result<Image, FileError> {
-    let io = |source| FileError::Io { path: file.into(), action: "read", source };
+    let io = |source| FileError::Io { path: file.into(), action: Action::Read, source };
     let reader = image::ImageReader::open(file).map_err(io)?.with_guessed_format().map_err(io)?;
     let damaged = |error: image::ImageError| {
         let reason = format!("{error}; expected .png, .exr, .pfm, .hdr, .jpg, .bmp or .tga");

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use reconstruct::Reconstruction;
 use stack::file::{
-    Carried, ResultLayer, StackHeader, check_writable, extension, write_atomically, write_pfm, write_picture,
-    write_stack,
+    Action, Carried, FileError, ResultLayer, StackHeader, check_writable, extension, write_atomically, write_pfm,
+    write_picture, write_stack,
 };
 use stack::{FeatureStack, Image};
 
@@ -198,6 +198,6 @@ fn write_hdr(file: &Path, picture: &Image) -> Result<()> {
 
 fn write_bytes(file: &Path, bytes: &[u8]) -> Result<()> {
     Ok(write_atomically(file, |out| {
-        out.write_all(bytes).map_err(|source| stack::file::FileError::Io { path: file.into(), action: "write", source })
+        out.write_all(bytes).map_err(|source| FileError::Io { path: file.into(), action: Action::Write, source })
     })?)
 }

@@ -9,7 +9,7 @@ use base64::write::EncoderWriter;
 use reconstruct::metrics::{Reference, judged_pixels};
 use serde_json::{Value, json};
 use stack::Image;
-use stack::file::{FileError, Record, check_writable, extension, write_atomically};
+use stack::file::{Action, FileError, Record, check_writable, extension, write_atomically};
 
 use super::encoded_picture::{EncodedPicture, STEPS_PER_OCTAVE, encode, encode_judged};
 use super::reduced::Scale;
@@ -86,7 +86,7 @@ impl Page<'_> {
         let shown = self.scale.reduce_judged(&judged);
         let judged_png = encode_judged(self.scale.shown(), &shown)?;
         let data = self.data(judged.iter().filter(|judged| !**judged).count()).to_string();
-        let failed = |source| FileError::Io { path: file.into(), action: "write", source };
+        let failed = |source| FileError::Io { path: file.into(), action: Action::Write, source };
         Ok(write_atomically(file, |out| {
             fill(out, |out, part| match part {
                 "style" => out.write_all(STYLE.as_bytes()),

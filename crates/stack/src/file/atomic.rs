@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use super::FileError;
+use super::{Action, FileError};
 
 /// Writes `path` through a temporary file beside it, which replaces `path` only once `write` has succeeded. A file that was
 /// there keeps its permissions, and a symbolic link stays one: what it points to is written.
@@ -15,7 +15,7 @@ pub fn write_atomically(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), FileError>,
 ) -> Result<(), FileError> {
-    let failed = |source| FileError::io(path, "write", source);
+    let failed = |source| FileError::io(path, Action::Write, source);
     let target = target_of(path);
     let mut temporary = temporary_beside(&target).map_err(failed)?;
     let mut buffered = BufWriter::new(temporary.as_file_mut());
@@ -35,7 +35,7 @@ pub fn check_writable(path: &Path) -> Result<(), FileError> {
     if path.is_dir() {
         return Err(FileError::Folder { path: path.into() });
     }
-    temporary_beside(&target_of(path)).map(drop).map_err(|source| FileError::io(path, "write", source))
+    temporary_beside(&target_of(path)).map(drop).map_err(|source| FileError::io(path, Action::Write, source))
 }
 
 /// The longest chain of symbolic links that is followed; it is Linux's.
@@ -100,7 +100,7 @@ mod tests {
         symlink("a.exr", &link).unwrap();
         let write = |path: &Path| {
             check_writable(path).unwrap();
-            write_atomically(path, |out| out.write_all(b"new").map_err(|e| FileError::io(path, "write", e))).unwrap();
+            write_atomically(path, |out| out.write_all(b"new").map_err(|e| FileError::io(path, Action::Write, e))).unwrap();
         };
         write(&link);
         assert!(link.is_symlink() && !file.is_symlink());

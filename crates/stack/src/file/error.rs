@@ -5,6 +5,24 @@ use std::path::{Path, PathBuf};
 use crate::merge::MergeError;
 use crate::{Fault, Size};
 
+/// What was tried with a file. What cannot be read is a mistake of whoever named it, what cannot be written the machine's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Action {
+    /// To open it, or take bytes from it.
+    Read,
+    /// To make it, or put bytes into it.
+    Write,
+}
+
+impl std::fmt::Display for Action {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Read => "read",
+            Self::Write => "write",
+        })
+    }
+}
+
 /// A file could not be read or written as a picture or stack.
 #[derive(Debug, thiserror::Error)]
 pub enum FileError {
@@ -14,7 +32,7 @@ pub enum FileError {
         /// The file or folder.
         path: PathBuf,
         /// What was tried.
-        action: &'static str,
+        action: Action,
         /// Why not.
         source: std::io::Error,
     },
@@ -160,15 +178,15 @@ impl FileError {
     /// Whose fault this is.
     pub fn fault(&self) -> Fault {
         match self {
-            Self::Io { action: "read", .. } => Fault::Input,
-            Self::Io { .. } => Fault::Machine,
+            Self::Io { action: Action::Read, .. } => Fault::Input,
+            Self::Io { action: Action::Write, .. } => Fault::Machine,
             Self::TooFewBuckets { .. } | Self::Unclear { .. } | Self::SampleCounts { .. } => Fault::Usage,
             Self::Merge(cause) => cause.fault(),
             _ => Fault::Input,
         }
     }
 
-    pub(super) fn io(path: &Path, action: &'static str, source: std::io::Error) -> Self {
+    pub(super) fn io(path: &Path, action: Action, source: std::io::Error) -> Self {
         Self::Io { path: path.into(), action, source }
     }
 }

@@ -19,7 +19,7 @@ use rayon::prelude::*;
 use super::exr_text::decoded;
 use super::layers::METADATA;
 use super::memory::check_fits;
-use super::{Carried, FileError, Layers, Passthrough};
+use super::{Action, Carried, FileError, Layers, Passthrough};
 use crate::{Size, Window};
 
 /// Bytes that one byte of a file can stand for: deflate reaches 1032, the other codecs less, but for DWA.
@@ -40,7 +40,7 @@ pub(super) const MOST_CHANNELS: usize = 1 << 14;
 /// When the file is absent, damaged, larger than memory, or of a kind that is not supported (deep data, subsampled
 /// channels, parts of different size).
 pub fn read_exr(path: &Path) -> Result<Layers, FileError> {
-    let file = File::open(path).map_err(|source| FileError::io(path, "read", source))?;
+    let file = File::open(path).map_err(|source| FileError::io(path, Action::Read, source))?;
     read_exr_from(path, BufReader::new(file))
 }
 
@@ -50,8 +50,9 @@ pub fn read_exr(path: &Path) -> Result<Layers, FileError> {
 /// # Errors
 /// As there, where the header tells.
 pub fn outline_exr(path: &Path) -> Result<(Layers, Size), FileError> {
-    let file = File::open(path).map_err(|source| FileError::io(path, "read", source))?;
-    let reader = exr::block::read(BufReader::new(file), false).map_err(|error| understand(path, error))?;
+    let file = File::open(path).map_err(|source| FileError::io(path, Action::Read, source))?;
+    let reader =
+        exr::block::read(BufReader::new(file), false).map_err(|error| understand(path, Action::Read, error))?;
     let mut layers = frame(path, reader.headers())?;
     let size = std::mem::replace(&mut layers.window.size, Size::new(1, 1));
     add_channels(&mut layers, reader.headers(), reader.headers().iter().map(|header| planes(header, 1)))?;
@@ -60,9 +61,9 @@ pub fn outline_exr(path: &Path) -> Result<(Layers, Size), FileError> {
 
 /// As [`read_exr`], from anywhere; `path` is what messages call it.
 pub(super) fn read_exr_from(path: &Path, mut source: impl Read + Seek + Send) -> Result<Layers, FileError> {
-    let damaged = |error| understand(path, error);
+    let damaged = |error| understand(path, Action::Read, error);
     let length = source.seek(SeekFrom::End(0)).and_then(|length| source.rewind().map(|()| length));
-    let length = length.map_err(|source| FileError::io(path, "read", source))?;
+    let length = length.map_err(|source| FileError::io(path, Action::Read, source))?;
     let reader = exr::block::read(source, false).map_err(damaged)?;
     let headers = reader.headers().to_vec();
     let mut layers = frame(path, &headers)?;
@@ -118,7 +119,7 @@ fn add_channels(
 }
 
 fn requirements(headers: &[Header], path: &Path) -> Result<exr::meta::Requirements, FileError> {
-    exr::meta::MetaData::validate(headers, false).map_err(|error| understand(path, error))
+    exr::meta::MetaData::validate(headers, false).map_err(|error| understand(path, Action::Read, error))
 }
 
 /// Refuses a file of `length` bytes that is too short for the pixels its headers claim, before room is made for them.
@@ -238,11 +239,11 @@ fn unsupported(path: &Path, what: &str, remedy: &'static str) -> FileError {
     FileError::Unsupported { path: path.into(), what: what.into(), remedy }
 }
 
-/// An error of the `exr` crate as one of ours.
-pub(super) fn understand(path: &Path, error: exr::error::Error) -> FileError {
+/// An error of the `exr` crate that came of `action` as one of ours.
+pub(super) fn understand(path: &Path, action: Action, error: exr::error::Error) -> FileError {
     use exr::error::Error;
     match error {
-        Error::Io(source) => FileError::io(path, "write", source),
+        Error::Io(source) => FileError::io(path, action, source),
         Error::NotSupported(what) if what.contains("deep") => {
             unsupported(path, "deep pixels", "flatten the picture first")
         }

@@ -1,6 +1,6 @@
 //! Damaged and malicious files end in an error: no panic, no hang, no memory that is not there.
 
-use std::io::Cursor;
+use std::io::{Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -14,7 +14,7 @@ use super::loaded::{ReadOptions, load};
 use super::test_files::{Files, noise};
 use super::together::alone;
 use super::*;
-use crate::Noise;
+use crate::{Fault, Noise};
 
 /// Longest that a small file may take, on a busy machine.
 const LONGEST: Duration = Duration::from_secs(20);
@@ -231,6 +231,33 @@ fn a_little_more_than_dwa_can_hold_is_too_much() {
     };
     assert!(said(most + 8).contains("it is too short for the size"), "{}", said(most + 8));
     assert!(!said(most - 8).contains("it is too short for the size"));
+}
+
+/// A file on a disk that fails at a byte.
+struct Failing(Cursor<Vec<u8>>, u64);
+
+impl Read for Failing {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let left = self.1.saturating_sub(self.0.position());
+        let wanted = buffer.len().min(left as usize);
+        if wanted == 0 { Err(std::io::Error::other("bad sector")) } else { self.0.read(&mut buffer[..wanted]) }
+    }
+}
+
+impl Seek for Failing {
+    fn seek(&mut self, to: SeekFrom) -> std::io::Result<u64> {
+        self.0.seek(to)
+    }
+}
+
+#[test]
+fn a_disk_that_cannot_be_read_is_told_as_such() {
+    let file = seeds().remove(0);
+    for good in [100, file.len() as u64 - 100] {
+        let source = Failing(Cursor::new(file.clone()), good);
+        let error = read_exr_from(Path::new("a.exr"), source).unwrap_err();
+        assert_eq!((error.to_string(), error.fault()), ("a.exr: cannot read".into(), Fault::Input));
+    }
 }
 
 #[test]

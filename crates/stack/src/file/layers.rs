@@ -11,7 +11,7 @@ use super::exr_text::encoded;
 use super::exr_write::write_exr;
 use super::header_order::sort_attributes;
 use super::pfm::{is_pfm, outline_pfm, read_pfm_layers};
-use super::{Carried, FileError, write_atomically};
+use super::{Action, Carried, FileError, write_atomically};
 use crate::{Size, Window};
 
 /// Name of the one text attribute that holds all our metadata.
@@ -127,7 +127,7 @@ fn is_pfm_file(path: &Path) -> Result<bool, FileError> {
         return Err(FileError::Folder { path: path.into() });
     }
     let mut start = [0; 3];
-    let file = std::fs::File::open(path).map_err(|source| FileError::io(path, "read", source))?;
+    let file = std::fs::File::open(path).map_err(|source| FileError::io(path, Action::Read, source))?;
     Ok(std::io::Read::read_exact(&mut &file, &mut start).is_ok() && is_pfm(&start))
 }
 
@@ -162,8 +162,8 @@ pub(super) fn write_channels(
     let size = (frame.window.size.width, frame.window.size.height);
     write_atomically(path, |out| {
         write_exr(&mut *out, size, (image_attributes, attributes), channels)
-            .map_err(|error| understand(path, error))?;
-        let failed = |source| FileError::io(path, "write", source);
+            .map_err(|error| understand(path, Action::Write, error))?;
+        let failed = |source| FileError::io(path, Action::Write, source);
         out.flush().map_err(failed)?;
         sort_attributes(*out.get_mut(), &names).map_err(failed)
     })

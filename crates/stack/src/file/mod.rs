@@ -61,7 +61,7 @@ mod write;
 
 pub use atomic::{check_writable, write_atomically};
 pub use carried::Carried;
-pub use error::FileError;
+pub use error::{Action, FileError};
 pub use found::{Found, FoundRole, FoundSpp};
 pub use layers::{Layers, Passthrough};
 pub use loaded::ReadOptions;

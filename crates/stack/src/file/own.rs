@@ -37,7 +37,9 @@ pub fn header_of(layers: &Layers) -> Result<Option<StackHeader>, FileError> {
 fn contradiction(header: &StackHeader) -> Option<String> {
     let StackHeader { sequences, buckets, per_bucket, .. } = header;
     if *sequences == 0 || *buckets == 0 || buckets % sequences != 0 {
-        return Some(format!("{buckets} buckets of {sequences} sequences; expected one sequence or more, of equally many buckets"));
+        return Some(format!(
+            "{buckets} buckets of {sequences} sequences; expected one sequence or more, of equally many buckets"
+        ));
     }
     if *buckets as usize > MOST_CHANNELS {
         return Some(format!("{buckets} buckets; expected no more than {MOST_CHANNELS}"));

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use exr::prelude::{FlatSamples, f16};
 
-use super::{Carried, FileError, Layers, Passthrough, write_atomically};
+use super::{Action, Carried, FileError, Layers, Passthrough, write_atomically};
 use crate::{Image, Size, Window};
 
 /// Reads a PFM or PHM (half precision) file of one or three channels; one is repeated in all three.
@@ -36,7 +36,7 @@ pub(super) fn read_pfm_layers(path: &Path) -> Result<Layers, FileError> {
     if path.is_dir() {
         return Err(FileError::Folder { path: path.into() });
     }
-    let bytes = std::fs::read(path).map_err(|source| FileError::io(path, "read", source))?;
+    let bytes = std::fs::read(path).map_err(|source| FileError::io(path, Action::Read, source))?;
     let Shape { names, half, little, size, start } = shape(path, &bytes)?;
     let values = &bytes[start..];
     let value_bytes = if half { 2 } else { 4 };
@@ -62,7 +62,7 @@ pub(super) fn read_pfm_layers(path: &Path) -> Result<Layers, FileError> {
 /// # Errors
 /// When the header cannot be understood.
 pub(super) fn outline_pfm(path: &Path) -> Result<(Layers, Size), FileError> {
-    let failed = |source| FileError::io(path, "read", source);
+    let failed = |source| FileError::io(path, Action::Read, source);
     let mut start = Vec::new();
     File::open(path).and_then(|file| file.take(LONGEST_HEADER).read_to_end(&mut start)).map_err(failed)?;
     let Shape { names, half, size, .. } = shape(path, &start)?;
@@ -148,7 +148,7 @@ pub fn write_pfm(path: &Path, image: &Image) -> Result<(), FileError> {
                 }
             }
         }
-        out.write_all(&bytes).map_err(|source| FileError::io(path, "write", source))
+        out.write_all(&bytes).map_err(|source| FileError::io(path, Action::Write, source))
     })
 }
 
