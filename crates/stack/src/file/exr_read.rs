@@ -10,13 +10,14 @@ use std::path::Path;
 
 use exr::block::UncompressedBlock;
 use exr::block::chunk::Chunk;
-use exr::block::lines::LineRef;
+use exr::io::Data;
 use exr::meta::attribute::SampleType;
 use exr::meta::header::Header;
 use exr::prelude::{Compression, FlatSamples, Text, Vec2, f16};
 use rayon::prelude::*;
 
 use super::exr_text::decoded;
+use super::in_flight::blocks_at_once;
 use super::layers::METADATA;
 use super::memory::check_fits;
 use super::{Action, Carried, FileError, Layers, Passthrough};
@@ -71,38 +72,37 @@ pub(super) fn read_exr_from(path: &Path, mut source: impl Read + Seek + Send) ->
     let chunks = reader.filter_chunks(false, |_, _, block| block.level == Vec2(0, 0)).map_err(damaged)?;
     let mut parts: Vec<Vec<FlatSamples>> =
         headers.iter().map(|header| planes(header, header.layer_size.area())).collect();
-    let (mut chunks, mut seen) = (chunks.into_iter(), HashSet::new());
     let meta =
         exr::meta::MetaData { requirements: requirements(&headers, path)?, headers: headers.iter().cloned().collect() };
+    let at_once = blocks_at_once(headers.iter().map(largest_block).max().unwrap_or(1));
+    let mut chunks = chunks.into_iter();
+    let mut next = || chunks.by_ref().take(at_once).collect::<Result<Vec<Chunk>, _>>();
     let decode = |chunk| UncompressedBlock::decompress_chunk(chunk, &meta, false);
-    let mut next = || -> Result<Vec<UncompressedBlock>, exr::error::Error> {
-        let batch: Vec<Chunk> = chunks.by_ref().take(blocks_at_once()).collect::<Result<_, _>>()?;
-        batch.into_par_iter().map(decode).collect()
-    };
-    let mut put = |blocks: Vec<UncompressedBlock>| {
+    let mut seen = HashSet::new();
+    let mut put = |chunks: Vec<Chunk>| {
+        let blocks: Vec<UncompressedBlock> =
+            chunks.into_par_iter().map(decode).collect::<Result<_, _>>().map_err(damaged)?;
         for block in &blocks {
             let position = block.index.pixel_position;
             if !seen.insert((block.index.layer, position.x(), position.y())) {
                 return Err(broken(path, "a block of pixels is there twice"));
             }
-            place(block, &headers[block.index.layer], &mut parts[block.index.layer]).map_err(damaged)?;
         }
-        Ok(())
+        place(&blocks, &headers, &mut parts).map_err(damaged)
     };
-    let mut blocks = next().map_err(damaged)?;
-    while !blocks.is_empty() {
-        let (placed, decoded) = rayon::join(|| put(blocks), &mut next);
+    let mut waiting = next().map_err(damaged)?;
+    while !waiting.is_empty() {
+        let (placed, read) = rayon::join(|| put(waiting), &mut next);
         placed?;
-        blocks = decoded.map_err(damaged)?;
+        waiting = read.map_err(damaged)?;
     }
     add_channels(&mut layers, &headers, parts)?;
     Ok(layers)
 }
 
-/// Blocks that are unzipped or zipped at a time, while as many are put in place or written: enough for many threads, few
-/// enough not to hold the file twice.
-pub(super) fn blocks_at_once() -> usize {
-    rayon::current_num_threads().clamp(4, 16)
+/// Bytes of the largest block of a part; a tile may claim to be larger than the picture.
+fn largest_block(header: &Header) -> usize {
+    header.max_block_byte_size().min(header.layer_size.area().saturating_mul(header.channels.bytes_per_pixel))
 }
 
 /// Gives `layers` the channels of all parts, whose samples are `parts`.
@@ -209,26 +209,47 @@ fn planes(header: &Header, pixels: usize) -> Vec<FlatSamples> {
     header.channels.list.iter().map(|channel| plane(channel.sample_type)).collect()
 }
 
-/// Copies the lines of a block to where they belong.
-fn place(block: &UncompressedBlock, header: &Header, planes: &mut [FlatSamples]) -> exr::error::UnitResult {
-    let size = header.layer_size;
-    for line in block.lines(&header.channels) {
-        let (at, count) = (line.location.position, line.location.sample_count);
-        let start = at.y() * size.width() + at.x();
-        let inside = at.x() + count <= size.width() && at.y() < size.height();
-        let plane = planes.get_mut(line.location.channel).filter(|_| inside);
-        let plane = plane.ok_or(exr::error::Error::Invalid("a block lies outside the picture".into()))?;
-        copy_line(line, plane, start..start + count)?;
+/// Copies the lines of `blocks` to where they belong, channel beside channel: no two threads touch the same plane.
+fn place(blocks: &[UncompressedBlock], headers: &[Header], parts: &mut [Vec<FlatSamples>]) -> exr::error::UnitResult {
+    for (part, (header, planes)) in headers.iter().zip(parts).enumerate() {
+        let own: Vec<&UncompressedBlock> = blocks.iter().filter(|block| block.index.layer == part).collect();
+        let sizes = header.channels.list.iter().map(|channel| channel.sample_type.bytes_per_sample());
+        let starts = sizes.scan(0, |next, bytes| Some(std::mem::replace(next, *next + bytes)));
+        let planes: Vec<(usize, &mut FlatSamples)> = starts.zip(planes).collect();
+        planes.into_par_iter().try_for_each(|(start, plane)| {
+            own.iter().try_for_each(|block| place_channel(block, header, start, plane))
+        })?;
     }
     Ok(())
 }
 
-fn copy_line(line: LineRef<'_>, plane: &mut FlatSamples, range: std::ops::Range<usize>) -> exr::error::UnitResult {
-    match plane {
-        FlatSamples::F32(values) => line.read_samples_into_slice(&mut values[range]),
-        FlatSamples::F16(values) => line.read_samples_into_slice(&mut values[range]),
-        FlatSamples::U32(values) => line.read_samples_into_slice(&mut values[range]),
+/// Copies the lines of one channel, whose samples stand behind `before` bytes a pixel of other channels.
+fn place_channel(
+    block: &UncompressedBlock,
+    header: &Header,
+    before: usize,
+    plane: &mut FlatSamples,
+) -> exr::error::UnitResult {
+    let (at, size, width) = (block.index.pixel_position, block.index.pixel_size, header.layer_size.width());
+    if at.x() + size.width() > width || at.y() + size.height() > header.layer_size.height() {
+        return Err(exr::error::Error::Invalid("a block lies outside the picture".into()));
     }
+    let line_bytes = header.channels.bytes_per_pixel * size.width();
+    for (line, bytes) in block.data.chunks_exact(line_bytes).enumerate() {
+        let start = (at.y() + line) * width + at.x();
+        copy_line(&bytes[before * size.width()..], plane, start..start + size.width())?;
+    }
+    Ok(())
+}
+
+/// Copies as many samples as `range` has places from the start of `bytes`, which are of this machine's order.
+fn copy_line(mut bytes: &[u8], plane: &mut FlatSamples, range: std::ops::Range<usize>) -> exr::error::UnitResult {
+    match plane {
+        FlatSamples::F32(values) => f32::read_slice_ne(&mut bytes, &mut values[range])?,
+        FlatSamples::F16(values) => f16::read_slice_ne(&mut bytes, &mut values[range])?,
+        FlatSamples::U32(values) => u32::read_slice_ne(&mut bytes, &mut values[range])?,
+    }
+    Ok(())
 }
 
 fn broken(path: &Path, reason: &str) -> FileError {

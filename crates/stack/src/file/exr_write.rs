@@ -13,13 +13,14 @@ use flate2::{Compress, FlushCompress, Status};
 use rayon::prelude::*;
 
 use super::borrowed::BorrowedSamples;
-use super::exr_read::blocks_at_once;
+use super::in_flight::blocks_at_once;
 
-/// Every reader takes it.
-const COMPRESSION: Compression = Compression::ZIP16;
-
-/// Lines that are zipped together.
+/// Lines that are zipped together, where they are short. Every reader takes it.
 const LINES: usize = 16;
+
+/// Longest line, in bytes, that is zipped with others. Deflate looks back over 32 KiB only, and a line holds one channel after
+/// another, so nothing is found again in the next line of a longer one; but whoever reads a block holds it whole.
+const LONGEST_TOGETHER: usize = 64 << 10;
 
 /// How hard to zip: above, files get smaller by less than a hundredth, below, larger by a fourteenth.
 const LEVEL: u32 = 2;
@@ -38,25 +39,28 @@ pub fn write_exr(
     channels.sort_by(|a, b| a.0.cmp(&b.0));
     let described = channels.iter().map(|(name, samples)| ChannelDescription::named(name.clone(), samples.kind()));
     let top = attributes.layer_position.y();
+    let line_bytes = size.0 * channels.iter().map(|(_, samples)| samples.kind().bytes_per_sample()).sum::<usize>();
+    let (compression, together) =
+        if line_bytes > LONGEST_TOGETHER { (Compression::ZIP1, 1) } else { (Compression::ZIP16, LINES) };
     let header = Header::new(Text::default(), size, described.collect())
-        .with_encoding(COMPRESSION, BlockDescription::ScanLines, LineOrder::Increasing)
+        .with_encoding(compression, BlockDescription::ScanLines, LineOrder::Increasing)
         .with_shared_attributes(image_attributes)
         .with_attributes(attributes);
     let (width, height) = size;
     let samples: Vec<BorrowedSamples> = channels.into_iter().map(|(_, samples)| samples).collect();
-    let lines = |block: usize| block * LINES..((block + 1) * LINES).min(height);
+    let lines = |block: usize| block * together..((block + 1) * together).min(height);
     let zip = |block: usize| zipped(|| bytes_of(lines(block), width, &samples));
-    let blocks: Vec<usize> = (0..height.div_ceil(LINES)).collect();
+    let blocks: Vec<usize> = (0..height.div_ceil(together)).collect();
     exr::block::write(out, [header].into_iter().collect(), true, |_, writer| {
         let mut put = |zipped: Vec<(usize, Vec<u8>)>| {
             zipped.into_iter().try_for_each(|(block, compressed_pixels_le)| {
-                let y_coordinate = top + (block * LINES) as i32;
+                let y_coordinate = top + (block * together) as i32;
                 let lines = CompressedScanLineBlock { y_coordinate, compressed_pixels_le };
                 writer.write_chunk(block, Chunk { layer_index: 0, compressed_block: CompressedBlock::ScanLine(lines) })
             })
         };
         let mut ready = Vec::new();
-        for blocks in blocks.chunks(blocks_at_once()) {
+        for blocks in blocks.chunks(blocks_at_once(line_bytes * together)) {
             let zip_all = || blocks.par_iter().map(|block| (*block, zip(*block))).collect();
             let (written, zipped) = rayon::join(|| put(ready), zip_all);
             written?;
@@ -109,6 +113,23 @@ mod tests {
 
     use super::super::test_files::{Files, noise};
     use super::*;
+
+    #[test]
+    fn long_lines_are_zipped_one_by_one() {
+        let folder = Files::new();
+        for (width, compression) in [(16_384, Compression::ZIP16), (16_385, Compression::ZIP1)] {
+            let values: Vec<f32> = (0..width * 18).map(|i| noise("Y", i)).collect();
+            let mut bytes = Vec::new();
+            let image = ImageAttributes::new(IntegerBounds::from_dimensions((width, 18)));
+            let channels = vec![(Text::from("Y"), BorrowedSamples::Float(&values))];
+            write_exr(Cursor::new(&mut bytes), (width, 18), (image, LayerAttributes::default()), channels).unwrap();
+            let path = folder.path("long.exr");
+            std::fs::write(&path, bytes).unwrap();
+            let read = read_all_flat_layers_from_file(&path).unwrap();
+            assert_eq!(read.layer_data[0].encoding.compression, compression);
+            assert!(read.layer_data[0].channel_data.list[0].sample_data == FlatSamples::F32(values));
+        }
+    }
 
     #[test]
     fn another_reader_finds_every_bit_whether_lines_get_shorter_or_not() {

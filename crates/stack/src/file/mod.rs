@@ -29,6 +29,7 @@ mod found;
 mod header_order;
 #[cfg(test)]
 mod hostile_tests;
+mod in_flight;
 mod independence;
 #[cfg(test)]
 mod integrity_tests;
