@@ -230,7 +230,12 @@ pub struct ReadingArgs {
 impl ReadingArgs {
     /// The same for the library.
     pub fn options(&self) -> ReadOptions {
-        ReadOptions { map: self.map.clone(), spp: self.spp.clone(), variance_is: self.variance_is }
+        ReadOptions {
+            map: self.map.clone(),
+            spp: self.spp.clone(),
+            variance_is: self.variance_is,
+            ..ReadOptions::default()
+        }
     }
 }
 

@@ -8,7 +8,7 @@ use clap::ArgMatches;
 use reconstruct::{Extras, Reconstruction, reconstruct_freeing, reconstruct_with};
 use serde_json::{Value, json};
 use stack::file::{FileError, Found, Inputs, Pass, ReadOptions, ReadStack, Role, StackHeader, read_inputs, survey};
-use stack::{FeatureStack, Image, Noise};
+use stack::{FeatureStack, GATHERED, INDIRECT, Image, Noise};
 
 use crate::args::{DenoiseArgs, OutputArgs, RebuildArgs};
 use crate::failure::usage;
@@ -18,6 +18,9 @@ use crate::output::{Outputs, Written};
 use crate::progress::Progress;
 use crate::report::{self, mean_radiance};
 use crate::settings::{Preset, Settings};
+
+/// What reads a stack anew.
+type ReadAgain<'a> = &'a dyn Fn() -> Result<ReadStack, FileError>;
 
 /// One stack to denoise.
 pub struct Task<'a> {
@@ -63,16 +66,19 @@ impl Task<'_> {
     /// When a step fails, or something that is required is not there.
     pub fn run(&self, outputs: &Outputs, progress: &Progress) -> Result<Value> {
         let start = Instant::now();
-        let survey = survey(&self.inputs, &self.wishes.reading)?;
-        let settings = resolve(self.rebuild.picture.preset, self.matches, survey.header.as_ref(), progress)?;
+        let told = survey(&self.inputs, &self.wishes.reading)?;
+        let settings = resolve(self.rebuild.picture.preset, self.matches, told.header.as_ref(), progress)?;
+        let leave_out = unneeded(&settings.reconstruction, outputs);
+        let options = ReadOptions { leave_out, ..self.wishes.reading.clone() };
         let then = Afterwards { output: outputs.need_inputs(), guide: self.wishes.guide.is_some() };
         let plan = |need: Need| {
             let need = need.with_passes(self.wishes.also.len());
             Plan::new(self.rebuild.max_memory, need, settings.reconstruction.method, then)
         };
         // What is too large is refused before a pixel is read.
-        plan(Need::from(&survey))?;
-        let mut read = self.read()?;
+        plan(Need::from(&survey(&self.inputs, &options)?))?;
+        let read_all = || read_inputs(&self.inputs, &options);
+        let mut read = read_all()?;
         read.notes.iter().for_each(|note| progress.say(note));
         let loaded = start.elapsed().as_secs_f64();
         require(self.wishes.require, &read)?;
@@ -82,7 +88,7 @@ impl Task<'_> {
         let passes = passes(self.wishes.also, &read.stack)?;
         let plan = plan(Need::from(&read.stack))?;
         let mut reconstruction =
-            self.reconstruct(&mut read, noisy, &passes, &settings.reconstruction, (plan, then), progress)?;
+            self.reconstruct((&mut read, &read_all), noisy, &passes, &settings.reconstruction, (plan, then), progress)?;
         for (pass, rebuilt) in passes.iter().zip(std::mem::take(&mut reconstruction.passes)) {
             pass.replace(&mut read.stack, rebuilt);
         }
@@ -113,14 +119,10 @@ impl Task<'_> {
         Ok(outcome.json(progress))
     }
 
-    fn read(&self) -> Result<ReadStack, FileError> {
-        read_inputs(&self.inputs, &self.wishes.reading)
-    }
-
     /// The picture of `read`, whose mean radiance is `noisy`; output and guide find there what they need.
     fn reconstruct(
         &self,
-        read: &mut ReadStack,
+        (read, again): (&mut ReadStack, ReadAgain<'_>),
         noisy: f64,
         passes: &[Pass],
         settings: &reconstruct::Settings,
@@ -135,7 +137,7 @@ impl Task<'_> {
         let size = read.stack.size();
         let reconstruction = reconstruct_freeing(&mut read.stack, settings, extras, progress)?;
         if then.needs_stack() {
-            read.stack = self.read()?.stack;
+            read.stack = again()?.stack;
             let again = mean_radiance(&read.stack.beauty());
             if read.stack.size() != size || again.to_bits() != noisy.to_bits() {
                 return Err(usage(
@@ -144,6 +146,19 @@ impl Task<'_> {
             }
         }
         Ok(reconstruction)
+    }
+}
+
+/// Layers of light that neither the method nor an output needs.
+fn unneeded(settings: &reconstruct::Settings, outputs: &Outputs) -> Vec<&'static str> {
+    if outputs.need_inputs() {
+        Vec::new()
+    } else if !settings.method.is_collaborative() {
+        vec![INDIRECT, GATHERED]
+    } else if !settings.best.light.gathered {
+        vec![GATHERED]
+    } else {
+        Vec::new()
     }
 }
 
@@ -250,5 +265,27 @@ impl Outcome<'_> {
             "peak_bytes": memory::peak_bytes(),
             "settings": self.settings.to_json(),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn light_is_read_apart_only_where_a_method_or_an_output_needs_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let unneeded = |file: &str, aov: &str, change: &dyn Fn(&mut reconstruct::Settings)| {
+            let args = OutputArgs { output: vec![folder.path().join(file)], aov: aov.into(), exposure: None };
+            let mut settings = Settings::default().reconstruction;
+            change(&mut settings);
+            super::unneeded(&settings, &Outputs::prepare(&args, "").unwrap())
+        };
+        let nfor = |settings: &mut reconstruct::Settings| settings.method.method = reconstruct::Method::Nfor;
+        assert_eq!(unneeded("a.png", "inputs", &nfor), [INDIRECT, GATHERED]);
+        assert_eq!(unneeded("a.exr", "none", &nfor), [INDIRECT, GATHERED]);
+        assert!(unneeded("a.exr", "inputs", &nfor).is_empty(), "it is written again");
+        assert!(unneeded("a.png", "inputs", &|_| ()).is_empty(), "best rebuilds it apart");
+        assert_eq!(unneeded("a.png", "inputs", &|settings| settings.best.light.gathered = false), [GATHERED]);
     }
 }

@@ -13,7 +13,7 @@ use exr::block::chunk::Chunk;
 use exr::io::Data;
 use exr::meta::attribute::SampleType;
 use exr::meta::header::Header;
-use exr::prelude::{Compression, FlatSamples, Text, Vec2, f16};
+use exr::prelude::{ChannelDescription, Compression, FlatSamples, Text, Vec2, f16};
 use rayon::prelude::*;
 
 use super::exr_text::decoded;
@@ -35,17 +35,20 @@ const SLACK: u128 = 1 << 20;
 /// Channels a file may have; more are a mistake, or malice.
 pub(super) const MOST_CHANNELS: usize = 1 << 14;
 
-/// Reads all channels of all parts, of the finest level.
+/// Which channels are read, by their full names. For the others no room is made.
+pub type Wanted<'a> = &'a dyn Fn(&str) -> bool;
+
+/// Reads the channels `wanted` of all parts, of the finest level.
 ///
 /// # Errors
 /// When the file is absent, damaged, larger than memory, or of a kind that is not supported (deep data, subsampled
 /// channels, parts of different size).
-pub fn read_exr(path: &Path) -> Result<Layers, FileError> {
+pub fn read_exr(path: &Path, wanted: Wanted<'_>) -> Result<Layers, FileError> {
     let file = File::open(path).map_err(|source| FileError::io(path, Action::Read, source))?;
-    read_exr_from(path, BufReader::new(file))
+    read_exr_from(path, BufReader::new(file), wanted)
 }
 
-/// What [`read_exr`] would read of `path`, with one black pixel in place of the picture, and the picture's size: from the
+/// All that [`read_exr`] could read of `path`, with one black pixel in place of the picture, and the picture's size: from the
 /// header alone.
 ///
 /// # Errors
@@ -54,24 +57,31 @@ pub fn outline_exr(path: &Path) -> Result<(Layers, Size), FileError> {
     let file = File::open(path).map_err(|source| FileError::io(path, Action::Read, source))?;
     let reader =
         exr::block::read(BufReader::new(file), false).map_err(|error| understand(path, Action::Read, error))?;
-    let mut layers = frame(path, reader.headers())?;
+    let names = channel_names(path, reader.headers(), &|_| true)?;
+    let mut layers = frame(path, reader.headers(), &names)?;
     let size = std::mem::replace(&mut layers.window.size, Size::new(1, 1));
-    add_channels(&mut layers, reader.headers(), reader.headers().iter().map(|header| planes(header, 1)))?;
+    let parts = reader.headers().iter().zip(&names).map(|(header, names)| planes(header, names, 1)).collect();
+    add_channels(&mut layers, names, parts);
     Ok((layers, size))
 }
 
 /// As [`read_exr`], from anywhere; `path` is what messages call it.
-pub(super) fn read_exr_from(path: &Path, mut source: impl Read + Seek + Send) -> Result<Layers, FileError> {
+pub(super) fn read_exr_from(
+    path: &Path,
+    mut source: impl Read + Seek + Send,
+    wanted: Wanted<'_>,
+) -> Result<Layers, FileError> {
     let damaged = |error| understand(path, Action::Read, error);
     let length = source.seek(SeekFrom::End(0)).and_then(|length| source.rewind().map(|()| length));
     let length = length.map_err(|source| FileError::io(path, Action::Read, source))?;
     let reader = exr::block::read(source, false).map_err(damaged)?;
     let headers = reader.headers().to_vec();
-    let mut layers = frame(path, &headers)?;
+    let names = channel_names(path, &headers, wanted)?;
+    let mut layers = frame(path, &headers, &names)?;
     check_length(path, &headers, length)?;
     let chunks = reader.filter_chunks(false, |_, _, block| block.level == Vec2(0, 0)).map_err(damaged)?;
-    let mut parts: Vec<Vec<FlatSamples>> =
-        headers.iter().map(|header| planes(header, header.layer_size.area())).collect();
+    let room = |(header, names): (&Header, &Names)| planes(header, names, header.layer_size.area());
+    let mut parts: Vec<Planes> = headers.iter().zip(&names).map(room).collect();
     let meta =
         exr::meta::MetaData { requirements: requirements(&headers, path)?, headers: headers.iter().cloned().collect() };
     let at_once = blocks_at_once(headers.iter().map(largest_block).max().unwrap_or(1));
@@ -96,7 +106,7 @@ pub(super) fn read_exr_from(path: &Path, mut source: impl Read + Seek + Send) ->
         placed?;
         waiting = read.map_err(damaged)?;
     }
-    add_channels(&mut layers, &headers, parts)?;
+    add_channels(&mut layers, names, parts);
     Ok(layers)
 }
 
@@ -105,17 +115,10 @@ fn largest_block(header: &Header) -> usize {
     header.max_block_byte_size().min(header.layer_size.area().saturating_mul(header.channels.bytes_per_pixel))
 }
 
-/// Gives `layers` the channels of all parts, whose samples are `parts`.
-fn add_channels(
-    layers: &mut Layers,
-    headers: &[Header],
-    parts: impl IntoIterator<Item = Vec<FlatSamples>>,
-) -> Result<(), FileError> {
-    for (header, planes) in headers.iter().zip(parts) {
-        let names = header.channels.list.iter().map(|channel| full_name(header, headers.len(), &channel.name));
-        layers.channels.extend(names.zip(planes).map(|(name, samples)| Passthrough { name, samples }));
-    }
-    check_names(layers)
+/// Gives `layers` the channels of all parts that were read.
+fn add_channels(layers: &mut Layers, names: Vec<Names>, parts: Vec<Planes>) {
+    let read = names.into_iter().flatten().zip(parts.into_iter().flatten());
+    layers.channels.extend(read.filter_map(|(name, samples)| Some(Passthrough { name: name?, samples: samples? })));
 }
 
 fn requirements(headers: &[Header], path: &Path) -> Result<exr::meta::Requirements, FileError> {
@@ -139,9 +142,8 @@ fn check_length(path: &Path, headers: &[Header], length: u64) -> Result<(), File
 }
 
 /// Everything but the pixels, after checks that nothing will be asked for that cannot be had.
-fn frame(path: &Path, headers: &[Header]) -> Result<Layers, FileError> {
+fn frame(path: &Path, headers: &[Header], names: &[Names]) -> Result<Layers, FileError> {
     let first = headers.first().ok_or_else(|| broken(path, "it has no part"))?;
-    let mut bytes = 0;
     for header in headers {
         if header.deep {
             return Err(unsupported(path, "deep pixels", "flatten the picture first"));
@@ -154,12 +156,14 @@ fn frame(path: &Path, headers: &[Header]) -> Result<Layers, FileError> {
         {
             return Err(unsupported(path, "parts of different size", "give each part as a file of its own"));
         }
-        bytes += header.channels.bytes_per_pixel;
     }
     if headers.iter().map(|header| header.channels.list.len()).sum::<usize>() > MOST_CHANNELS {
         return Err(unsupported(path, "more than 16384 channels", "leave out what is not needed"));
     }
     let size = first.layer_size;
+    let channels = headers.iter().flat_map(|header| &header.channels.list).zip(names.iter().flatten());
+    let bytes =
+        channels.filter(|(_, name)| name.is_some()).map(|(channel, _)| channel.sample_type.bytes_per_sample()).sum();
     check_fits(path, (size.width(), size.height()), bytes)?;
     let display = first.shared_attributes.display_window;
     let offset = |data: i32, display: i32| {
@@ -191,31 +195,44 @@ fn full_name(header: &Header, parts: usize, channel: &Text) -> String {
     }
 }
 
-fn check_names(layers: &Layers) -> Result<(), FileError> {
-    let mut names = HashSet::new();
-    match layers.channels.iter().find(|channel| !names.insert(&channel.name)) {
-        Some(twice) => Err(broken(&layers.path, &format!("channel {} is there twice", twice.name))),
-        None => Ok(()),
-    }
+/// Full names of a part's channels, where they are wanted.
+type Names = Vec<Option<String>>;
+
+/// Samples of a part's channels, where they are wanted.
+type Planes = Vec<Option<FlatSamples>>;
+
+/// Full names of the channels of all parts.
+fn channel_names(path: &Path, headers: &[Header], wanted: Wanted<'_>) -> Result<Vec<Names>, FileError> {
+    let mut seen = HashSet::new();
+    let mut name = |header: &Header, channel: &ChannelDescription| {
+        let name = full_name(header, headers.len(), &channel.name);
+        if !seen.insert(name.clone()) {
+            return Err(broken(path, &format!("channel {name} is there twice")));
+        }
+        Ok(Some(name).filter(|name| wanted(name)))
+    };
+    headers.iter().map(|header| header.channels.list.iter().map(|channel| name(header, channel)).collect()).collect()
 }
 
-/// Black planes of so many pixels for the channels of a part.
-fn planes(header: &Header, pixels: usize) -> Vec<FlatSamples> {
+/// Black planes of so many pixels for the channels of a part that have `names`.
+fn planes(header: &Header, names: &Names, pixels: usize) -> Planes {
     let plane = |kind| match kind {
         SampleType::F32 => FlatSamples::F32(vec![0.0; pixels]),
         SampleType::F16 => FlatSamples::F16(vec![f16::ZERO; pixels]),
         SampleType::U32 => FlatSamples::U32(vec![0; pixels]),
     };
-    header.channels.list.iter().map(|channel| plane(channel.sample_type)).collect()
+    let channels = header.channels.list.iter().zip(names);
+    channels.map(|(channel, name)| name.as_ref().map(|_| plane(channel.sample_type))).collect()
 }
 
 /// Copies the lines of `blocks` to where they belong, channel beside channel: no two threads touch the same plane.
-fn place(blocks: &[UncompressedBlock], headers: &[Header], parts: &mut [Vec<FlatSamples>]) -> exr::error::UnitResult {
+fn place(blocks: &[UncompressedBlock], headers: &[Header], parts: &mut [Planes]) -> exr::error::UnitResult {
     for (part, (header, planes)) in headers.iter().zip(parts).enumerate() {
         let own: Vec<&UncompressedBlock> = blocks.iter().filter(|block| block.index.layer == part).collect();
         let sizes = header.channels.list.iter().map(|channel| channel.sample_type.bytes_per_sample());
         let starts = sizes.scan(0, |next, bytes| Some(std::mem::replace(next, *next + bytes)));
-        let planes: Vec<(usize, &mut FlatSamples)> = starts.zip(planes).collect();
+        let planes: Vec<(usize, &mut FlatSamples)> =
+            starts.zip(planes).filter_map(|(start, plane)| Some((start, plane.as_mut()?))).collect();
         planes.into_par_iter().try_for_each(|(start, plane)| {
             own.iter().try_for_each(|block| place_channel(block, header, start, plane))
         })?;

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use exr::prelude::{AttributeValue, FlatSamples};
 
 use super::borrowed::BorrowedSamples;
-use super::exr_read::{outline_exr, read_exr, understand};
+use super::exr_read::{Wanted, outline_exr, read_exr, understand};
 use super::exr_text::encoded;
 use super::exr_write::write_exr;
 use super::header_order::sort_attributes;
@@ -70,7 +70,20 @@ impl Layers {
     /// When the file is absent, a folder, damaged, or of a kind that is not supported (deep data, subsampled channels,
     /// parts of different size).
     pub fn read(path: &Path) -> Result<Self, FileError> {
-        if is_pfm_file(path)? { read_pfm_layers(path) } else { read_exr(path) }
+        Self::read_some(path, &|_| true)
+    }
+
+    /// The same of the channels whose names are `wanted`: the others take no memory.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn read_some(path: &Path, wanted: Wanted<'_>) -> Result<Self, FileError> {
+        if !is_pfm_file(path)? {
+            return read_exr(path, wanted);
+        }
+        let mut layers = read_pfm_layers(path)?;
+        layers.channels.retain(|channel| wanted(&channel.name));
+        Ok(layers)
     }
 
     /// The channels of such a file with one black pixel in place of the picture, and the picture's size: from its header

@@ -18,6 +18,8 @@ pub struct ReadOptions {
     pub spp: Vec<u32>,
     /// What every variance is.
     pub variance_is: Option<Convention>,
+    /// Layers of our own stacks that nobody needs: no memory is taken for them.
+    pub leave_out: Vec<&'static str>,
 }
 
 /// Everything known about one role.

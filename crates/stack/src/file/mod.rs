@@ -55,6 +55,7 @@ mod slices;
 mod slot_names;
 mod sources;
 mod survey;
+mod taken;
 #[cfg(test)]
 mod test_files;
 mod together;

@@ -14,7 +14,7 @@ use crate::{
 };
 
 /// Layers that a reconstruction makes; they are results, never inputs.
-const RESULTS: [&str; 9] = ["R", "G", "B", "spikes.", "mse.", "bandwidth.", "rank.", "samples.", "beauty."];
+const RESULTS: [&str; 8] = ["R", "G", "B", "spikes.", "mse.", "bandwidth.", "rank.", "beauty."];
 
 /// Whether a file is one of ours that holds what a reconstruction starts from.
 pub fn is_own(layers: &Layers) -> bool {
@@ -83,9 +83,7 @@ pub fn read_own(mut layers: Layers, header: StackHeader) -> Result<ReadStack, Fi
             features.push(Feature { role, estimate });
         }
     }
-    let is_result =
-        |name: &str| RESULTS.iter().any(|r| if r.ends_with('.') { name.starts_with(r) } else { name == *r });
-    layers.channels.retain(|channel| !is_result(&channel.name));
+    layers.channels.retain(|channel| !is_result(&channel.name) && !belongs(&channel.name, SAMPLES));
     let Layers { window, film, channels: passthrough, carried, .. } = layers;
     let stack = FeatureStack { window, film, samples, components, indirect, gathered, features, passthrough };
     let found = found_in(&stack);
@@ -192,8 +190,17 @@ pub fn load_own(mut layers: Layers) -> Loaded {
 }
 
 /// Whether a file of ours has the channel `name` for an input or a result.
-fn is_own_channel(name: &str) -> bool {
+pub fn is_own_channel(name: &str) -> bool {
+    is_result(name) || input_layers().any(|layer| belongs(name, layer))
+}
+
+/// Whether the channel `name` is of `layer`: its mean, or what tells its noise.
+pub fn belongs(name: &str, layer: &str) -> bool {
     let own = |rest: &str| [".", "A.", "B.", "Variance."].iter().any(|form| rest.starts_with(form));
-    let is_result = RESULTS.iter().any(|r| if r.ends_with('.') { name.starts_with(r) } else { name == *r });
-    is_result || input_layers().any(|layer| name.strip_prefix(layer).is_some_and(own))
+    name.strip_prefix(layer).is_some_and(own)
+}
+
+/// Whether the channel `name` of a file of ours is what a reconstruction made.
+pub fn is_result(name: &str) -> bool {
+    RESULTS.iter().any(|r| if r.ends_with('.') { name.starts_with(r) } else { name == *r })
 }

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::borrowed::BorrowedSamples;
 use super::layers::{Frame, write_channels};
+use super::write::SAMPLES;
 use super::{Carried, FileError, Layers, Record, read_pfm, write_pfm};
 use crate::{Image, Window};
 
@@ -23,7 +24,7 @@ pub fn read_picture_with_alpha(path: &Path) -> Result<(Image, Option<Vec<f32>>),
     if extension(path) == "pfm" {
         return Ok((read_pfm(path)?, None));
     }
-    let mut layers = Layers::read(path)?;
+    let mut layers = read_picture_layers(path)?;
     let (picture, prefix) = take_picture(&mut layers)?;
     Ok((picture, layers.take(&format!("{prefix}A"))))
 }
@@ -36,9 +37,21 @@ pub fn read_picture_with_record(path: &Path) -> Result<(Image, Record), FileErro
     if extension(path) == "pfm" {
         return Ok((read_pfm(path)?, Record::default()));
     }
-    let mut layers = Layers::read(path)?;
+    let mut layers = read_picture_layers(path)?;
     let record = Record::take(&mut layers);
     Ok((take_picture(&mut layers)?.0, record))
+}
+
+/// Reads what [`take_picture`] takes, alpha and the counts of samples: of a stack of ours a thirtieth.
+pub(super) fn read_picture_layers(path: &Path) -> Result<Layers, FileError> {
+    let (outline, _) = Layers::outline(path)?;
+    let picture: Vec<String> = match colour_prefix(&outline) {
+        Ok(prefix) => ["R", "G", "B", "A"].map(|channel| format!("{prefix}{channel}")).into(),
+        Err(_) if outline.has("Y") => ["Y", "A"].map(String::from).into(),
+        Err(no_colour) => return Err(no_colour),
+    };
+    let counts = format!("{SAMPLES}.Y");
+    Layers::read_some(path, &|name| name == counts || picture.iter().any(|wanted| wanted == name))
 }
 
 /// Takes the picture out, and tells what stood in front of its channels' names.

@@ -8,6 +8,7 @@ use super::own::{header_of, is_own, load_own, read_own};
 use super::same_window::check_window;
 use super::slices::read_slices;
 use super::sources::{Open, Source, read_sources};
+use super::taken::{Taken, read_taken};
 use super::together::{alone, several};
 use super::{Carried, FileError, Layers, StackHeader};
 use crate::FeatureStack;
@@ -45,7 +46,7 @@ pub enum Inputs {
 /// # Errors
 /// When a file cannot be read, has no colour, does not fit the others, or leaves open what is what.
 pub fn read_inputs(inputs: &Inputs, options: &ReadOptions) -> Result<ReadStack, FileError> {
-    read_inputs_by(inputs, options, &mut Layers::read)
+    read_inputs_by(inputs, options, &mut read_taken)
 }
 
 /// As [`read_inputs`], with files read by `open`.
@@ -91,7 +92,7 @@ pub fn read_buckets(paths: &[PathBuf]) -> Result<ReadStack, FileError> {
 }
 
 fn read_files(files: &[Source], options: &ReadOptions, open: Open<'_>) -> Result<ReadStack, FileError> {
-    let (layers, said) = read_sources(files, open)?;
+    let (layers, said) = read_sources(files, Taken::InputsBut(&options.leave_out), open)?;
     match header_of(&layers)? {
         Some(header) if is_own(&layers) => read_own(layers, header),
         _ => {
@@ -104,7 +105,7 @@ fn read_files(files: &[Source], options: &ReadOptions, open: Open<'_>) -> Result
 fn load_renders(paths: &[PathBuf], options: &ReadOptions, open: Open<'_>) -> Result<Vec<Loaded>, FileError> {
     let mut renders: Vec<Loaded> = Vec::new();
     for (nth, path) in paths.iter().enumerate() {
-        let layers = open(path)?;
+        let layers = open(path, Taken::Means)?;
         let mut render = if is_own(&layers) { load_own(layers) } else { load(layers, options, nth, true)? };
         for before in &renders {
             let [now, before] = [&render.rest, &before.rest].map(|layers| (&*layers.path, layers.window));

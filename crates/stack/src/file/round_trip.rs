@@ -1,8 +1,11 @@
 //! Tests that a stack survives its file.
 
+use super::picture::read_picture_layers;
+use super::taken::{Taken, read_taken};
 use super::*;
 use crate::{
-    Component, ComponentRole, Dealing, Estimate, Feature, FeatureRole, FeatureStack, Image, SampleCounts, Size, Window,
+    Component, ComponentRole, Dealing, Estimate, Feature, FeatureRole, FeatureStack, GATHERED, INDIRECT, Image,
+    SampleCounts, Size, Window,
 };
 
 const SIZE: Size = Size::new(5, 4);
@@ -92,6 +95,33 @@ fn a_header_that_cannot_be_is_refused_and_its_picture_still_read() {
     let last = StackHeader { first: u32::MAX - 12, ..header() };
     write_stack(&path, &stack(), true, &last, &[], &Carried::default()).unwrap();
     assert_eq!(read_stack(&path).unwrap().stack.samples.in_group(8, 0, 1), 12);
+}
+
+#[test]
+fn no_more_is_read_than_is_needed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("stack.exr");
+    let picture = image(3, 99);
+    let planes = picture.channels();
+    let results = [
+        ResultLayer { name: "", channels: &["R", "G", "B"], planes },
+        ResultLayer { name: "mse", channels: &["Y"], planes: &planes[..1] },
+    ];
+    write_stack(&path, &stack(), true, &header(), &results, &Carried::default()).unwrap();
+    let names = |layers: Layers| layers.channels.into_iter().map(|channel| channel.name).collect::<Vec<_>>();
+    let taken = |taken| names(read_taken(&path, taken).unwrap());
+    // Both components and parts of light in eight buckets, features of thirteen channels in two, and counts.
+    let inputs = 4 * 27 + 3 * 13 + 1;
+    assert_eq!(taken(Taken::Everything).len(), inputs + 4);
+    assert_eq!(taken(Taken::InputsBut(&[])).len(), inputs);
+    assert_eq!(taken(Taken::InputsBut(&[INDIRECT, GATHERED])).len(), inputs - 2 * 27);
+    assert_eq!(taken(Taken::Means).len(), 2 * 3 + 13 + 1);
+    assert_eq!(names(read_picture_layers(&path).unwrap()), ["B", "G", "R", "samples.Y"]);
+    let options = ReadOptions { leave_out: vec![INDIRECT, GATHERED], ..ReadOptions::default() };
+    let inputs = Inputs::Files(vec![Source::from(path.as_path())]);
+    let read = read_inputs(&inputs, &options).unwrap().stack;
+    assert_eq!(survey(&inputs, &options).unwrap().bytes, read.bytes());
+    assert_eq!(read, FeatureStack { indirect: None, gathered: None, ..stack() });
 }
 
 #[test]

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::own::{found_in, header_of, is_own, read_own};
 use super::sources::Open;
+use super::taken::{Taken, read_taken};
 use super::{Carried, FileError, Layers, ReadStack, StackHeader};
 use crate::merge::{Held, MergeError, Record, Slice, Sum, check_records};
 
@@ -12,7 +13,7 @@ use crate::merge::{Held, MergeError, Record, Slice, Sum, check_records};
 /// # Errors
 /// When it cannot be read, or is something else.
 pub fn read_render(path: &Path) -> Result<(ReadStack, Record), FileError> {
-    let (layers, header, record) = checked(Layers::read(path)?)?;
+    let (layers, header, record) = checked(read_taken(path, Taken::InputsBut(&[]))?)?;
     Ok((read_own(layers, header)?, record))
 }
 
@@ -42,7 +43,7 @@ pub(super) fn read_slices(paths: &[PathBuf], open: Open<'_>) -> Result<ReadStack
     check_records(&slices)?;
     let mut sum: Option<(Sum, Carried)> = None;
     for (path, _) in slices {
-        let (layers, header, _) = checked(open(&path)?)?;
+        let (layers, header, _) = checked(open(&path, Taken::InputsBut(&[]))?)?;
         let read = read_own(layers, header.clone())?;
         let slice = Slice { path, stack: read.stack, header };
         match &mut sum {

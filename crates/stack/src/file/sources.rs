@@ -7,6 +7,7 @@ use super::recognise::Mapping;
 use super::role::{Measure, Role, Slot};
 use super::same_window::check_window;
 use super::slot_names::slot_of;
+use super::taken::Taken;
 use super::{FileError, Layers};
 
 /// A file that is read, and what it is when the user says so.
@@ -52,15 +53,15 @@ pub fn is_one_stack(sources: &[Source]) -> bool {
 }
 
 /// What reads a file.
-pub type Open<'a> = &'a mut dyn FnMut(&Path) -> Result<Layers, FileError>;
+pub type Open<'a> = &'a mut dyn FnMut(&Path, Taken<'_>) -> Result<Layers, FileError>;
 
-/// Reads `sources` as one file, with what the user says about their roles.
+/// Reads `sources` as one file, with what the user says about their roles; of a single one no more than is `taken`.
 ///
 /// # Errors
 /// When a file cannot be read, sizes differ, or it is not clear what the files are.
-pub fn read_sources(sources: &[Source], open: Open<'_>) -> Result<(Layers, Vec<Mapping>), FileError> {
+pub fn read_sources(sources: &[Source], taken: Taken<'_>, open: Open<'_>) -> Result<(Layers, Vec<Mapping>), FileError> {
     if let [Source { path, slot: None }] = sources {
-        return Ok((open(path)?, Vec::new()));
+        return Ok((open(path, taken)?, Vec::new()));
     }
     let parts = parts(sources)?;
     let mut files: Vec<(&Source, &Part)> = sources.iter().zip(&parts).collect();
@@ -73,7 +74,7 @@ pub fn read_sources(sources: &[Source], open: Open<'_>) -> Result<(Layers, Vec<M
     let mut whole: Option<Layers> = None;
     let mut mappings = Vec::new();
     for (source, part) in files {
-        let mut layers = open(&source.path)?;
+        let mut layers = open(&source.path, Taken::Everything)?;
         let prefix = match part {
             Part::Main => None,
             Part::Slot(slot, name) => {

@@ -3,7 +3,8 @@
 use super::loaded::ReadOptions;
 use super::memory::check_fits;
 use super::read::read_inputs_by;
-use super::{FileError, Inputs, Layers, StackHeader};
+use super::taken::outline_taken;
+use super::{FileError, Inputs, StackHeader};
 use crate::Size;
 
 /// What is known of a stack before its pixels are read.
@@ -30,8 +31,8 @@ pub struct Survey {
 /// As [`super::read_inputs`], where headers tell, and when all files together need more memory than is free.
 pub fn survey(inputs: &Inputs, options: &ReadOptions) -> Result<Survey, FileError> {
     let mut first = None;
-    let one_pixel = read_inputs_by(inputs, options, &mut |path| {
-        let (layers, size) = Layers::outline(path)?;
+    let one_pixel = read_inputs_by(inputs, options, &mut |path, taken| {
+        let (layers, size) = outline_taken(path, taken)?;
         first.get_or_insert_with(|| (path.to_path_buf(), size));
         Ok(layers)
     })?;
