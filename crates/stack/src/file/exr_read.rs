@@ -7,6 +7,7 @@ use std::collections::HashSet;
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use exr::block::UncompressedBlock;
 use exr::block::chunk::Chunk;
@@ -81,31 +82,28 @@ pub(super) fn read_exr_from(
     check_length(path, &headers, length)?;
     let chunks = reader.filter_chunks(false, |_, _, block| block.level == Vec2(0, 0)).map_err(damaged)?;
     let room = |(header, names): (&Header, &Names)| planes(header, names, header.layer_size.area());
-    let mut parts: Vec<Planes> = headers.iter().zip(&names).map(room).collect();
+    let parts: Vec<Planes> = headers.iter().zip(&names).map(room).collect();
     let meta =
         exr::meta::MetaData { requirements: requirements(&headers, path)?, headers: headers.iter().cloned().collect() };
-    let at_once = blocks_at_once(headers.iter().map(largest_block).max().unwrap_or(1));
-    let mut chunks = chunks.into_iter();
-    let mut next = || chunks.by_ref().take(at_once).collect::<Result<Vec<Chunk>, _>>();
-    let decode = |chunk| UncompressedBlock::decompress_chunk(chunk, &meta, false);
-    let mut seen = HashSet::new();
-    let mut put = |chunks: Vec<Chunk>| {
-        let blocks: Vec<UncompressedBlock> =
-            chunks.into_par_iter().map(decode).collect::<Result<_, _>>().map_err(damaged)?;
-        for block in &blocks {
-            let position = block.index.pixel_position;
-            if !seen.insert((block.index.layer, position.x(), position.y())) {
-                return Err(broken(path, "a block of pixels is there twice"));
-            }
+    let (chunks, seen) = (Mutex::new(Some(chunks.into_iter())), Mutex::new(HashSet::new()));
+    let next = || -> Option<Result<Chunk, _>> { locked(&chunks).as_mut()?.next() };
+    let put = |chunk: Chunk| {
+        let block = UncompressedBlock::decompress_chunk(chunk, &meta, false).map_err(damaged)?;
+        let position = block.index.pixel_position;
+        if !locked(&seen).insert((block.index.layer, position.x(), position.y())) {
+            return Err(broken(path, "a block of pixels is there twice"));
         }
-        place(&blocks, &headers, &mut parts).map_err(damaged)
+        place(&block, &headers[block.index.layer], &parts[block.index.layer]).map_err(damaged)
     };
-    let mut waiting = next().map_err(damaged)?;
-    while !waiting.is_empty() {
-        let (placed, read) = rayon::join(|| put(waiting), &mut next);
-        placed?;
-        waiting = read.map_err(damaged)?;
-    }
+    let work = |_| -> Result<(), FileError> {
+        let done = std::iter::from_fn(next).try_for_each(|chunk| put(chunk.map_err(damaged)?));
+        // Whatever it was: nobody needs what the file still holds.
+        *locked(&chunks) = None;
+        done
+    };
+    let workers =
+        blocks_at_once(headers.iter().map(largest_block).max().unwrap_or(1)).min(rayon::current_num_threads());
+    (0..workers).into_par_iter().with_max_len(1).try_for_each(work)?;
     add_channels(&mut layers, names, parts);
     Ok(layers)
 }
@@ -118,7 +116,10 @@ fn largest_block(header: &Header) -> usize {
 /// Gives `layers` the channels of all parts that were read.
 fn add_channels(layers: &mut Layers, names: Vec<Names>, parts: Vec<Planes>) {
     let read = names.into_iter().flatten().zip(parts.into_iter().flatten());
-    layers.channels.extend(read.filter_map(|(name, samples)| Some(Passthrough { name: name?, samples: samples? })));
+    layers.channels.extend(read.filter_map(|(name, samples)| {
+        let samples = samples?.into_inner().unwrap_or_else(PoisonError::into_inner);
+        Some(Passthrough { name: name?, samples })
+    }));
 }
 
 fn requirements(headers: &[Header], path: &Path) -> Result<exr::meta::Requirements, FileError> {
@@ -198,8 +199,9 @@ fn full_name(header: &Header, parts: usize, channel: &Text) -> String {
 /// Full names of a part's channels, where they are wanted.
 type Names = Vec<Option<String>>;
 
-/// Samples of a part's channels, where they are wanted.
-type Planes = Vec<Option<FlatSamples>>;
+/// Samples of a part's channels, where they are wanted. Blocks are put in place by all threads, which hold a channel only while
+/// they copy its lines.
+type Planes = Vec<Option<Mutex<FlatSamples>>>;
 
 /// Full names of the channels of all parts.
 fn channel_names(path: &Path, headers: &[Header], wanted: Wanted<'_>) -> Result<Vec<Names>, FileError> {
@@ -222,41 +224,34 @@ fn planes(header: &Header, names: &Names, pixels: usize) -> Planes {
         SampleType::U32 => FlatSamples::U32(vec![0; pixels]),
     };
     let channels = header.channels.list.iter().zip(names);
-    channels.map(|(channel, name)| name.as_ref().map(|_| plane(channel.sample_type))).collect()
+    channels.map(|(channel, name)| name.as_ref().map(|_| Mutex::new(plane(channel.sample_type)))).collect()
 }
 
-/// Copies the lines of `blocks` to where they belong, channel beside channel: no two threads touch the same plane.
-fn place(blocks: &[UncompressedBlock], headers: &[Header], parts: &mut [Planes]) -> exr::error::UnitResult {
-    for (part, (header, planes)) in headers.iter().zip(parts).enumerate() {
-        let own: Vec<&UncompressedBlock> = blocks.iter().filter(|block| block.index.layer == part).collect();
-        let sizes = header.channels.list.iter().map(|channel| channel.sample_type.bytes_per_sample());
-        let starts = sizes.scan(0, |next, bytes| Some(std::mem::replace(next, *next + bytes)));
-        let planes: Vec<(usize, &mut FlatSamples)> =
-            starts.zip(planes).filter_map(|(start, plane)| Some((start, plane.as_mut()?))).collect();
-        planes.into_par_iter().try_for_each(|(start, plane)| {
-            own.iter().try_for_each(|block| place_channel(block, header, start, plane))
-        })?;
-    }
-    Ok(())
-}
-
-/// Copies the lines of one channel, whose samples stand behind `before` bytes a pixel of other channels.
-fn place_channel(
-    block: &UncompressedBlock,
-    header: &Header,
-    before: usize,
-    plane: &mut FlatSamples,
-) -> exr::error::UnitResult {
+/// Copies the lines of a block to where they belong.
+fn place(block: &UncompressedBlock, header: &Header, planes: &Planes) -> exr::error::UnitResult {
     let (at, size, width) = (block.index.pixel_position, block.index.pixel_size, header.layer_size.width());
     if at.x() + size.width() > width || at.y() + size.height() > header.layer_size.height() {
         return Err(exr::error::Error::Invalid("a block lies outside the picture".into()));
     }
     let line_bytes = header.channels.bytes_per_pixel * size.width();
-    for (line, bytes) in block.data.chunks_exact(line_bytes).enumerate() {
-        let start = (at.y() + line) * width + at.x();
-        copy_line(&bytes[before * size.width()..], plane, start..start + size.width())?;
+    // Of a line, what stands in front of a channel.
+    let mut before = 0;
+    for (channel, plane) in header.channels.list.iter().zip(planes) {
+        if let Some(plane) = plane {
+            let mut plane = locked(plane);
+            for (line, bytes) in block.data.chunks_exact(line_bytes).enumerate() {
+                let start = (at.y() + line) * width + at.x();
+                copy_line(&bytes[before..], &mut plane, start..start + size.width())?;
+            }
+        }
+        before += channel.sample_type.bytes_per_sample() * size.width();
     }
     Ok(())
+}
+
+/// What a lock guards. A thread that panicked with it ends the reading anyway.
+fn locked<T>(lock: &Mutex<T>) -> MutexGuard<'_, T> {
+    lock.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Copies as many samples as `range` has places from the start of `bytes`, which are of this machine's order.

@@ -4,7 +4,8 @@
 //! kilobytes. So their bytes are bounded and not their number, that memory does not depend on how many threads there are.
 
 /// Bytes of pixels in the blocks that are unzipped together, or zipped while as many are written. What is zipped, and what
-/// a thread needs for a block, comes on top.
+/// a thread needs for a block, comes on top; for each thread keeps what it has freed for itself, as many threads work as
+/// there are blocks.
 const BYTES: usize = 64 << 20;
 
 /// Blocks of no more than `each` bytes that are worked on together: at least one.
