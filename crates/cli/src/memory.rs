@@ -5,7 +5,7 @@ use std::str::FromStr;
 use anyhow::Result;
 use reconstruct::MethodSettings;
 use reconstruct::best::MOST_PARTS;
-use stack::file::Survey;
+use stack::file::{Survey, memory_limit};
 use stack::{FeatureStack, Size};
 
 use crate::failure::usage;
@@ -128,6 +128,8 @@ pub struct Need {
     stack: f64,
     /// See [`FeatureStack::staying_bytes`].
     stays: f64,
+    /// The most while it is read.
+    reading: f64,
     buckets: usize,
     /// Passes that are rebuilt beside the picture.
     passes: usize,
@@ -139,6 +141,8 @@ impl From<&FeatureStack> for Need {
             size: stack.size(),
             stack: stack.bytes() as f64,
             stays: stack.staying_bytes() as f64,
+            // It is there.
+            reading: 0.0,
             buckets: stack.samples.dealing.buckets(),
             passes: 0,
         }
@@ -151,6 +155,7 @@ impl From<&Survey> for Need {
             size: survey.size,
             stack: survey.bytes as f64,
             stays: survey.staying_bytes as f64,
+            reading: survey.reading_bytes as f64,
             buckets: survey.buckets,
             passes: 0,
         }
@@ -174,11 +179,11 @@ impl Need {
         let rebuilding = REBUILDING + PART * self.buckets.clamp(2, MOST_PARTS) as f64 + passes;
         let whole = (WHOLE + passes).max(rebuilding);
         let at_once = self.stack + pixels * if then.guide { GUIDED } else { whole };
-        if then.needs_stack() && at_once <= most {
+        if then.needs_stack() && at_once.max(self.reading) <= most {
             return Ok(Plan { free: false, rows: usize::MAX });
         }
         let beside = if then.guide { GUIDED_LATE } else { PREPARING };
-        let before = (self.stack + pixels * beside).max(self.stays + pixels * rebuilding);
+        let before = (self.stack + pixels * beside).max(self.stays + pixels * rebuilding).max(self.reading);
         if before > most {
             return Err(before + apart);
         }
@@ -191,9 +196,9 @@ impl Need {
     }
 }
 
-/// Memory of this machine, where the system tells.
+/// Memory of this machine, or of the container this runs in, where the system tells.
 fn physical_memory() -> Option<u64> {
-    told_in("/proc/meminfo", "MemTotal:")
+    told_in("/proc/meminfo", "MemTotal:").into_iter().chain(memory_limit()).min()
 }
 
 /// Largest memory the process has held, where the system tells.
@@ -226,7 +231,8 @@ mod tests {
 
     #[test]
     fn less_memory_frees_the_stack_then_cuts_bands_and_then_is_refused() {
-        let need = Need { size: Size::new(1000, 10_000), stack: 1e7 * 364.0, stays: 0.0, buckets: 2, passes: 0 };
+        let need =
+            Need { size: Size::new(1000, 10_000), stack: 1e7 * 364.0, stays: 0.0, reading: 0.0, buckets: 2, passes: 0 };
         let plan = |bytes_per_pixel: f64, output| need.plan(1e7 * bytes_per_pixel, Afterwards { output, guide: false });
         assert_eq!(plan(1000.0, true), Ok(Plan { free: false, rows: usize::MAX }));
         assert_eq!(plan(800.0, true), Ok(Plan { free: true, rows: usize::MAX }));
@@ -241,6 +247,10 @@ mod tests {
         let small = Need { size: Size::new(1000, 2000), stack: 2e6 * 364.0, ..need };
         let plan = |bytes_per_pixel: f64| small.plan(2e6 * bytes_per_pixel, Afterwards { output: true, guide: false });
         assert!(plan(1000.0).unwrap().free && !plan(1100.0).unwrap().free);
+        // So does adding slices up.
+        let merged = Need { reading: 1e7 * 900.0, ..need };
+        let then = Afterwards { output: true, guide: false };
+        assert!(merged.plan(1e7 * 800.0, then).unwrap_err() > 1e7 * 900.0 && merged.plan(1e7 * 1000.0, then).is_ok());
         // Passes take more.
         let plan = |passes| need.with_passes(passes).plan(1e7 * 1000.0, Afterwards { output: true, guide: false });
         assert!(!plan(0).unwrap().free && plan(3).unwrap().free && plan(9).is_err());

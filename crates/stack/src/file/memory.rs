@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::FileError;
+use super::memory_limit::memory_limit;
 
 /// What is assumed where the system does not say how much memory is free.
 const ASSUMED: u64 = 16 << 30;
@@ -20,10 +21,11 @@ pub fn check_fits(path: &Path, (width, height): (usize, usize), bytes: usize) ->
     Err(FileError::TooLarge { path: path.into(), width, height, needed, available })
 }
 
-/// Bytes that can be had without swapping.
+/// Bytes that can be had without swapping, and within the limit of a container.
 fn available() -> u64 {
     let text = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
     let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"));
     let kilobytes = line.and_then(|rest| rest.split_whitespace().next()?.parse::<u64>().ok());
-    kilobytes.map_or(ASSUMED, |kilobytes| kilobytes.saturating_mul(1024))
+    let free = kilobytes.map_or(ASSUMED, |kilobytes| kilobytes.saturating_mul(1024));
+    memory_limit().map_or(free, |limit| limit.min(free))
 }

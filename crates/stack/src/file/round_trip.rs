@@ -125,6 +125,23 @@ fn no_more_is_read_than_is_needed() {
 }
 
 #[test]
+fn adding_slices_up_takes_the_memory_of_two() {
+    let folder = tempfile::tempdir().unwrap();
+    let slices = [1, 2].map(|seed| {
+        let path = folder.path().join(format!("{seed}.exr"));
+        let held = vec![crate::merge::Held { first: 0, end: 12, seed }];
+        let record = Some(crate::merge::Record { view: serde_json::json!({}), held });
+        write_stack(&path, &stack(), true, &StackHeader { record, ..header() }, &[], &Carried::default()).unwrap();
+        path
+    });
+    let told =
+        |slices: &[std::path::PathBuf]| survey(&Inputs::Slices(slices.to_vec()), &ReadOptions::default()).unwrap();
+    let (one, both) = (told(&slices[..1]), told(&slices));
+    assert_eq!(one.reading_bytes, one.bytes);
+    assert!(both.reading_bytes > 2 * one.bytes);
+}
+
+#[test]
 fn equal_stacks_write_equal_bytes() {
     let folder = tempfile::tempdir().unwrap();
     let written = ["a.exr", "b.exr"].map(|name| {

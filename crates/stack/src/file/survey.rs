@@ -7,6 +7,9 @@ use super::taken::outline_taken;
 use super::{FileError, Inputs, StackHeader};
 use crate::Size;
 
+/// While slices are added up, beside them: counts and weights of eight buckets, in bytes a pixel.
+const WEIGHING: usize = 100;
+
 /// What is known of a stack before its pixels are read.
 #[derive(Clone, Debug)]
 pub struct Survey {
@@ -18,6 +21,9 @@ pub struct Survey {
     /// Those of them that stay until the picture is rebuilt: indirect light, and what nobody here interprets; in a
     /// renderer's files whose layers are told by their values, these, too.
     pub staying_bytes: usize,
+    /// The most that is held while it is read, in bytes, which is more where slices are added up: their sum beside the next
+    /// of them, and how its samples weigh.
+    pub reading_bytes: usize,
     /// Independent parts that its colour comes in.
     pub buckets: usize,
     /// What our own files say about themselves.
@@ -38,11 +44,13 @@ pub fn survey(inputs: &Inputs, options: &ReadOptions) -> Result<Survey, FileErro
     })?;
     let Some((path, size)) = first else { return Err(FileError::Unclear { reason: "no file given".into() }) };
     let (bytes, staying) = (one_pixel.stack.bytes(), one_pixel.stack.staying_bytes());
-    check_fits(&path, (size.width, size.height), bytes)?;
+    let adds_up = matches!(inputs, Inputs::Slices(slices) if slices.len() > 1);
+    let reading = if adds_up { 2 * bytes + WEIGHING } else { bytes };
+    check_fits(&path, (size.width, size.height), reading)?;
     let of_all = |bytes: usize| bytes.saturating_mul(size.pixels());
-    let (bytes, staying_bytes) = (of_all(bytes), of_all(staying));
+    let (bytes, staying_bytes, reading_bytes) = (of_all(bytes), of_all(staying), of_all(reading));
     let buckets = one_pixel.stack.samples.dealing.buckets();
-    Ok(Survey { size, bytes, staying_bytes, buckets, header: one_pixel.header })
+    Ok(Survey { size, bytes, staying_bytes, reading_bytes, buckets, header: one_pixel.header })
 }
 
 #[cfg(test)]
