@@ -100,7 +100,8 @@ mod tests {
         symlink("a.exr", &link).unwrap();
         let write = |path: &Path| {
             check_writable(path).unwrap();
-            write_atomically(path, |out| out.write_all(b"new").map_err(|e| FileError::io(path, Action::Write, e))).unwrap();
+            write_atomically(path, |out| out.write_all(b"new").map_err(|e| FileError::io(path, Action::Write, e)))
+                .unwrap();
         };
         write(&link);
         assert!(link.is_symlink() && !file.is_symlink());

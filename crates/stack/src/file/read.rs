@@ -10,7 +10,7 @@ use super::slices::read_slices;
 use super::sources::{Open, Source, read_sources};
 use super::taken::{Taken, read_taken};
 use super::together::{alone, several};
-use super::{Carried, FileError, Layers, StackHeader};
+use super::{Carried, FileError, StackHeader};
 use crate::FeatureStack;
 
 /// A stack as it was read.
