@@ -31,11 +31,11 @@ stack::knobs! {
         /// Radius of the regression's window in those rounds, in pixels: 5 is 11×11 (section 6). The last
         /// reconstruction has the larger window of the regression's own setting.
         iteration_radius: usize = 5, 1..=64;
-        /// Distance between the pixels that carry a collaborative fit in those rounds.
+        /// Distance between the pixels that carry a collaborative fit in those rounds, unless the last has fewer.
         iteration_stride: usize = 4, 1..=8;
         /// Passes of collaborative fits in those rounds.
         iteration_passes: usize = 2, 1..=2;
-        /// Radius of the second pass's window in those rounds, in pixels.
+        /// Radius of the second pass's window in those rounds, in pixels, unless the last has a smaller one.
         iteration_second_radius: usize = 8, 1..=32;
         /// Whether direct and indirect light are rebuilt apart in those rounds.
         iteration_apart: bool = false, ..;

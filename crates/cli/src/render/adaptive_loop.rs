@@ -244,9 +244,9 @@ impl State<'_> {
         // Samples go by the error, which knows nothing of clouds.
         settings.best.clouds.levels = 0;
         let fit = &mut settings.best.regression;
-        fit.stride = rounds.iteration_stride;
+        fit.stride = fit.stride.max(rounds.iteration_stride);
         fit.passes = rounds.iteration_passes;
-        fit.second_radius = rounds.iteration_second_radius;
+        fit.second_radius = fit.second_radius.min(rounds.iteration_second_radius);
         settings
     }
 
