@@ -12,8 +12,10 @@ const MEDIAN: [f32; 2] = [0.12, 0.25];
 /// leave traces of light.
 const BACKGROUND: f32 = 1e-3;
 
-/// A value that more than this share of the pixels has to the last bit is background, too: a sky that is the same everywhere.
+/// A value that more than this share of the pixels has, but for rounding, is background, too: a sky that is the same everywhere.
 const UNIFORM: f64 = 0.05;
+/// How much larger a value is, at most, that is the same but for rounding.
+const ROUNDING: f32 = 1.0 + 1e-6;
 
 /// Stops by which `picture` should be lifted to fill an 8-bit range: all but the brightest 3 % of its pixels stay below
 /// white, as long as that leaves its median at a middle grey. Black background and that of one colour do not count. 0 for a
@@ -36,9 +38,15 @@ pub fn choose(picture: &Image) -> f32 {
 
 /// The `sorted` values without those of a background of one colour, unless there is nothing else.
 fn without_uniform(sorted: &[f32]) -> Vec<f32> {
-    let many = UNIFORM * sorted.len() as f64;
-    let others = sorted.chunk_by(|a, b| a == b).filter(|alike| alike.len() as f64 <= many);
-    let others: Vec<f32> = others.flatten().copied().collect();
+    let many = (UNIFORM * sorted.len() as f64) as usize;
+    let (mut others, mut rest) = (Vec::with_capacity(sorted.len()), sorted);
+    while let Some(first) = rest.first() {
+        let (alike, larger) = rest.split_at(rest.partition_point(|value| *value <= first * ROUNDING));
+        if alike.len() <= many.max(1) {
+            others.extend_from_slice(alike);
+        }
+        rest = larger;
+    }
     if others.is_empty() { sorted.to_vec() } else { others }
 }
 
@@ -86,7 +94,8 @@ mod tests {
     fn a_sky_of_one_colour_does_not_count() {
         let of = |values: Vec<f32>| choose(&Image::from_channels(Size::new(values.len(), 1), vec![values; 3]));
         let object: Vec<f32> = (1..=100).map(|i| i as f32 / 1000.0).collect();
-        let before_a_sky = object.iter().copied().chain(vec![0.7; 300]).collect();
+        let sky = (0..300).map(|i| 0.7 + 6e-8 * (i % 5) as f32);
+        let before_a_sky = object.iter().copied().chain(sky).collect();
         assert_eq!(of(before_a_sky), of(object));
         assert_eq!(of(vec![0.7; 300]), -1.5, "nothing but sky");
     }
