@@ -518,3 +518,13 @@ fn samples_of_an_interrupted_render_are_not_lost() {
     assert_eq!(workplace.bytes("a.partial.exr"), b"many samples");
     assert!(!workplace.path("a.exr").exists());
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_standard_error_that_takes_nothing_costs_no_picture() {
+    let workplace = Workplace::new();
+    let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
+    let line = "render box.obj --size 8x8 --spp 1 --no-denoise -o a.exr";
+    assert!(workplace.command(line).stderr(full).status().unwrap().success());
+    assert!(workplace.path("a.exr").exists());
+}

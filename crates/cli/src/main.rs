@@ -23,6 +23,7 @@ mod progress;
 mod render;
 mod report;
 mod settings;
+mod stderr;
 mod stdout;
 mod table;
 mod threads;
@@ -55,7 +56,7 @@ fn main() -> ExitCode {
         Err(error) => {
             let line = format!("error: {error:#}");
             log_file::add(&line);
-            eprintln!("{line}");
+            stderr::say_line(&line);
             failure::exit_code(&error)
         }
     }

@@ -8,6 +8,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use stack::Monitor;
 
 use crate::args::ReportArgs;
+use crate::stderr::say_line;
 use crate::{interrupt, log_file};
 
 /// Draws a bar when standard error is a terminal, times stages, and cancels on Ctrl-C.
@@ -45,7 +46,7 @@ impl Progress {
 
     fn print(&self, line: &str) {
         if !self.quiet {
-            self.bar.suspend(|| eprintln!("{line}"));
+            self.bar.suspend(|| say_line(line));
         }
     }
 

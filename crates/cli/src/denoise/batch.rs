@@ -14,6 +14,7 @@ use crate::args::{DenoiseArgs, OutputArgs, ReportArgs};
 use crate::failure::{Verdict, usage};
 use crate::interrupt;
 use crate::progress::Progress;
+use crate::stderr::say_line;
 use crate::stdout::print_line;
 use crate::threads::start_threads;
 
@@ -178,7 +179,7 @@ pub fn run(args: &DenoiseArgs, matches: &ArgMatches, jobs: &[Job]) -> Result<Ver
     if failed.is_empty() {
         return Ok(Verdict::Done);
     }
-    eprintln!("error: {} of {} pictures failed:\n  {}", failed.len(), jobs.len(), failed.join("\n  "));
+    say_line(format_args!("error: {} of {} pictures failed:\n  {}", failed.len(), jobs.len(), failed.join("\n  ")));
     Ok(Verdict::No)
 }
 
