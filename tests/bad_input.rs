@@ -29,6 +29,7 @@ fn scenes_that_are_none() {
         "key.toml",
         "[camera]\neye = [0, 1, 5]\nlook_at = [0, 1, 0]\nfow = 30\n[[geometry]]\nfile = \"box.obj\"\n",
     );
+    workplace.write("none.toml", "[render]\nspp = 0\n[[geometry]]\nfile = \"box.obj\"\n");
     std::fs::create_dir(workplace.path("folder.obj")).unwrap();
     refused(&workplace, "render absent.obj -o a.exr", &["absent.obj"]);
     refused(&workplace, "render folder.obj -o a.exr", &["folder.obj", "folder"]);
@@ -37,6 +38,7 @@ fn scenes_that_are_none() {
     refused(&workplace, "render broken.obj -o a.exr", &["broken.obj", "3"]);
     refused(&workplace, "render range.obj -o a.exr", &["range.obj", "4"]);
     refused(&workplace, "render key.toml -o a.exr", &["key.toml", "4", "fow", "fov"]);
+    refused(&workplace, "render none.toml -o a.exr", &["none.toml:2", "at least 1 sample"]);
     refused(&workplace, "render box.mtl -o a.exr", &["box.mtl"]);
 }
 

@@ -67,9 +67,7 @@ fn inside(crop: Window, size: Size) -> Result<Window> {
 }
 
 fn budget(args: &RenderArgs, scene_spp: Option<u32>) -> Result<Budget> {
-    if args.spp == Some(0) {
-        return Err(usage("--spp: expected at least 1 sample per pixel, found 0"));
-    }
+    args.spp.map(at_least_one).transpose().map_err(|wrong| usage(format!("--spp: {wrong}")))?;
     // What a scene says of samples is a default: a time or an error that was asked for takes its place.
     let bounded = args.time.is_some() || args.target_error.is_some();
     let spp = args.spp.or((!bounded).then_some(scene_spp.unwrap_or(SPP)));
@@ -81,6 +79,11 @@ fn budget(args: &RenderArgs, scene_spp: Option<u32>) -> Result<Budget> {
         target_error: args.target_error,
         uniform: args.uniform || args.samples.is_some(),
     })
+}
+
+/// Refuses a picture without samples.
+fn at_least_one(spp: u32) -> Result<u32, String> {
+    if spp == 0 { Err("expected at least 1 sample per pixel, found 0".into()) } else { Ok(spp) }
 }
 
 /// What the scene's `[render]` table asks for beside settings.
@@ -100,7 +103,7 @@ impl Wishes {
                 "size" => wishes.size = Some(entry.text.parse::<PictureSize>().map_err(place)?.0),
                 "spp" => {
                     let wrong = || place(format!("expected a whole number, found '{}'", entry.text));
-                    wishes.spp = Some(entry.text.parse().map_err(|_| wrong())?);
+                    wishes.spp = Some(at_least_one(entry.text.parse().map_err(|_| wrong())?).map_err(place)?);
                 }
                 key => match settings.set(&key.replace('_', "-"), &entry.text) {
                     Some(outcome) => outcome.map_err(|error| place(error.to_string()))?,
