@@ -128,6 +128,26 @@ fn a_file_says_which_settings_it_was_made_with() {
 }
 
 #[test]
+fn how_samples_were_taken_is_not_rewritten_when_they_are_denoised() {
+    let workplace = Workplace::new();
+    workplace.must("render box.obj --size 16x12 --spp 4 --seed 7 --max-depth 5 --initial-spp 3 -o a.exr --quiet");
+    workplace.must("denoise a.exr -o b.exr --preset paper --quiet");
+    let settings = |file: &str| Layers::read(&workplace.path(file)).unwrap().metadata.unwrap()["settings"].clone();
+    let (before, after) = (settings("a.exr"), settings("b.exr"));
+    for group in ["trace", "rounds", "sampling"] {
+        assert!(!before[group].is_null() && before[group] == after[group], "{group}: {after}");
+    }
+    assert_eq!(after["reconstruction"]["method"]["fit"], "local");
+    workplace.must("denoise b.exr -o c.exr --quiet");
+    assert!(workplace.bytes("b.exr") == workplace.bytes("c.exr"), "it is rebuilt as it says it was");
+    for flag in ["--max-depth 3", "--seed 9", "--iterations 2"] {
+        let run = workplace.tamis(&format!("denoise a.exr {flag} -o d.exr"));
+        let said = run.stderr();
+        assert!(run.code() == Some(2) && said.contains("only render takes samples"), "{said}");
+    }
+}
+
+#[test]
 fn a_crop_shows_the_same_noise_as_the_whole() {
     let workplace = Workplace::new();
     workplace.must("render box.obj --size 48x40 --spp 4 --uniform --no-denoise --quiet -o whole.exr");

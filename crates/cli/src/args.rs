@@ -447,8 +447,26 @@ impl ExperimentArgs {
 
 /// The whole command line, with one flag for every setting of the libraries.
 pub fn command() -> Command {
-    let knobs = |command: Command| Settings::describe().into_iter().fold(command, with_knob);
-    ["render", "denoise", "merge", "plan"].into_iter().fold(Cli::command(), |all, name| all.mut_subcommand(name, knobs))
+    let all = |command: Command| Settings::describe().into_iter().fold(command, with_knob);
+    let rebuild = |command: Command| {
+        let command = reconstruct::Settings::describe().into_iter().fold(command, with_knob);
+        Settings::describe_sampling().into_iter().fold(command, refusing_knob)
+    };
+    let command = ["render", "plan"].into_iter().fold(Cli::command(), |whole, name| whole.mut_subcommand(name, all));
+    ["denoise", "merge"].into_iter().fold(command, |whole, name| whole.mut_subcommand(name, rebuild))
+}
+
+/// A setting of how samples are taken, where they are there already: its flag is known, so that it can be said why not.
+fn refusing_knob(command: Command, knob: stack::Knob) -> Command {
+    let refuse = |_: &str| Err::<String, _>("only render takes samples; those of the input stay as they were taken");
+    command.arg(
+        Arg::new(knob.flag.clone())
+            .long(knob.flag)
+            .value_name("VALUE")
+            .value_parser(refuse)
+            .allow_hyphen_values(true)
+            .hide(true),
+    )
 }
 
 fn with_knob(command: Command, knob: stack::Knob) -> Command {

@@ -75,6 +75,11 @@ impl Settings {
         }
     }
 
+    /// The settings that say how samples are taken, and nothing of what is made of them.
+    pub fn describe_sampling() -> Vec<stack::Knob> {
+        [TraceSettings::describe(), LoopSettings::describe(), AdaptiveSettings::describe()].concat()
+    }
+
     /// The settings that a file records as [`Self::to_json`] has them.
     ///
     /// # Errors

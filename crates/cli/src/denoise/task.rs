@@ -68,12 +68,12 @@ impl Task<'_> {
         let start = Instant::now();
         let told = survey(&self.inputs, &self.wishes.reading)?;
         let settings = resolve(self.rebuild.picture.preset, self.matches, told.header.as_ref(), progress)?;
-        let leave_out = unneeded(&settings.reconstruction, outputs);
+        let leave_out = unneeded(&settings, outputs);
         let options = ReadOptions { leave_out, ..self.wishes.reading.clone() };
         let then = Afterwards { output: outputs.need_inputs(), guide: self.wishes.guide.is_some() };
         let plan = |need: Need| {
             let need = need.with_passes(self.wishes.also.len());
-            Plan::new(self.rebuild.max_memory, need, settings.reconstruction.method, then)
+            Plan::new(self.rebuild.max_memory, need, settings.method, then)
         };
         // What is too large is refused before a pixel is read.
         plan(Need::from(&survey(&self.inputs, &options)?))?;
@@ -88,11 +88,11 @@ impl Task<'_> {
         let passes = passes(self.wishes.also, &read.stack)?;
         let plan = plan(Need::from(&read.stack))?;
         let mut reconstruction =
-            self.reconstruct((&mut read, &read_all), noisy, &passes, &settings.reconstruction, (plan, then), progress)?;
+            self.reconstruct((&mut read, &read_all), noisy, &passes, &settings, (plan, then), progress)?;
         for (pass, rebuilt) in passes.iter().zip(std::mem::take(&mut reconstruction.passes)) {
             pass.replace(&mut read.stack, rebuilt);
         }
-        let mix = |guide: Guide| guide.mix(&read.stack, &mut reconstruction, &settings.reconstruction, progress);
+        let mix = |guide: Guide| guide.mix(&read.stack, &mut reconstruction, &settings, progress);
         let followed = guide.map(mix).transpose()?;
         progress.finish();
         let written = Written {
@@ -112,7 +112,6 @@ impl Task<'_> {
             written: &written,
             noisy,
             found: &read.found,
-            settings: &settings,
             seconds: &seconds,
             guide: followed.as_ref(),
         };
@@ -199,14 +198,14 @@ fn require(names: &[String], read: &ReadStack) -> Result<()> {
 const EXPECTED: &str = "expected position, albedo, normal, visibility, depth, proximity, lit, emission, alpha, samples, noise, \
                         variance or buckets";
 
-/// Settings: those of the preset that was asked for, else those recorded in a file of ours, else the default's; flags
-/// override them. That recorded ones cannot be used is said.
+/// Settings of the reconstruction: those of the preset that was asked for, else those recorded in a file of ours, else the
+/// default's; flags override them. That recorded ones cannot be used is said.
 fn resolve(
     preset: Option<Preset>,
     matches: &ArgMatches,
     header: Option<&StackHeader>,
     progress: &Progress,
-) -> Result<Settings> {
+) -> Result<reconstruct::Settings> {
     let mut settings = match (preset, header) {
         (Some(preset), _) => Settings::of(preset),
         (None, None) => Settings::default(),
@@ -216,17 +215,25 @@ fn resolve(
         }),
     };
     settings.override_by(matches)?;
-    Ok(settings)
+    Ok(settings.reconstruction)
 }
 
-/// What the file says about itself; for another renderer's, what it is to us.
-fn header_of(read: &ReadStack, settings: &Settings) -> StackHeader {
-    let settings = settings.to_json();
+/// What the file says about itself, with the settings it is rebuilt with now. How its samples were taken stays as it is
+/// recorded, be it by another version; of those of another renderer nothing is known.
+fn header_of(read: &ReadStack, settings: &reconstruct::Settings) -> StackHeader {
+    let rebuilt = Settings { reconstruction: *settings, ..Settings::default() }.to_json()[RECONSTRUCTION].take();
     match &read.header {
-        Some(header) => StackHeader { settings, ..header.clone() },
-        None => StackHeader::of(&read.stack, settings),
+        Some(header) => {
+            let mut recorded = header.settings.as_object().cloned().unwrap_or_default();
+            recorded.insert(RECONSTRUCTION.into(), rebuilt);
+            StackHeader { settings: recorded.into(), ..header.clone() }
+        }
+        None => StackHeader::of(&read.stack, json!({ RECONSTRUCTION: rebuilt })),
     }
 }
+
+/// Where the settings of the reconstruction are recorded.
+const RECONSTRUCTION: &str = "reconstruction";
 
 fn say_what_was_done(progress: &Progress, reconstruction: &Reconstruction, seconds: f64) {
     if reconstruction.spikes.is_some() {
@@ -242,7 +249,6 @@ struct Outcome<'a> {
     /// Mean radiance of the noisy picture.
     noisy: f64,
     found: &'a Found,
-    settings: &'a Settings,
     seconds: &'a [(&'a str, f64)],
     guide: Option<&'a Followed>,
 }
@@ -263,7 +269,7 @@ impl Outcome<'_> {
             "estimated_rmse": report::estimated_rmse(self.written),
             "energy": report::energy(self.noisy, self.written.picture),
             "peak_bytes": memory::peak_bytes(),
-            "settings": self.settings.to_json(),
+            "settings": self.written.header.settings,
         })
     }
 }
