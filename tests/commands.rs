@@ -73,8 +73,11 @@ fn adaptive_sampling_spends_the_whole_budget() {
 #[test]
 fn a_missed_target_is_a_negative_answer() {
     let workplace = Workplace::new();
-    let run = workplace.tamis("render box.obj --size 16x16 --spp 2 --target-error 1e-12 -o a.exr --quiet");
+    let run = workplace.tamis("render box.obj --size 16x16 --spp 2 --target-error 1e-12 -o a.exr");
     assert_eq!(run.code(), Some(1));
+    let said = run.stderr();
+    let line = said.lines().find(|line| line.contains("--target-error 1e-12 is not reached"));
+    assert!(line.is_some_and(|line| line.contains("the estimate is ")), "{said}");
     workplace.must("render box.obj --size 16x16 --spp 4 --target-error 1e9 -o b.exr --quiet");
 }
 

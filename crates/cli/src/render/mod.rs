@@ -138,10 +138,20 @@ impl Render<'_> {
             total: self.start.elapsed().as_secs_f64(),
         };
         say_what_was_done(progress, finished, &written, clock.total);
+        self.say_that_the_target_was_missed(finished, &written);
         if self.args.report.json {
             print_line(report::render(outputs, &written, plan, finished, &clock, progress, view))?;
         }
         Ok(())
+    }
+
+    /// Why the answer is no.
+    fn say_that_the_target_was_missed(&self, finished: &Finished, written: &Written<'_>) {
+        let Some(target) = self.plan.budget.target_error.filter(|_| finished.missed_target) else { return };
+        let error = estimated_rmse(written).map_or_else(|| "unknown".into(), |error| format!("{error:.2e}"));
+        self.progress.say(&format!(
+            "--target-error {target:e} is not reached: the estimate is {error}; give it more samples or time, and go on with --resume"
+        ));
     }
 
     /// Leaves a render alone that has all samples already.
