@@ -522,6 +522,20 @@ fn samples_of_an_interrupted_render_are_not_lost() {
     assert!(!workplace.path("a.exr").exists());
 }
 
+#[test]
+fn layers_that_were_chosen_and_are_not_made_are_named() {
+    let workplace = Workplace::new();
+    let said =
+        |flags: &str| workplace.must(&format!("render box.obj --size 8x8 --spp 2 --uniform -o a.exr {flags}")).stderr();
+    let text = said("--aov mse,bandwidth,rank");
+    assert!(text.contains("no layer bandwidth, rank: this method"), "{text}");
+    let text = said("--no-denoise --aov mse");
+    assert!(text.contains("no layer mse: nothing was reconstructed"), "{text}");
+    for flags in ["--no-denoise", "--aov all", "--preset paper --aov rank"] {
+        assert!(!said(flags).contains("no layer"), "{flags}");
+    }
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn a_standard_error_that_takes_nothing_costs_no_picture() {

@@ -89,7 +89,7 @@ pub struct OutputArgs {
     pub output: Vec<PathBuf>,
     /// Layers of the .exr beside the picture: `inputs` (what `denoise` needs to start again), `all`, `none`, or a
     /// comma-separated list of inputs, mse, samples, spikes, bandwidth, rank.
-    #[arg(long, value_name = "LIST", default_value = "inputs,mse")]
+    #[arg(long, value_name = "LIST", default_value = crate::output::DEFAULT_AOV)]
     pub aov: String,
     /// Exposure of the .png in stops [default: chosen from the picture].
     #[arg(long, value_name = "EV", allow_negative_numbers = true, value_parser = finite::<f32>)]

@@ -16,6 +16,9 @@ use crate::exposure;
 use crate::failure::usage;
 use crate::progress::Progress;
 
+/// What `--aov` is when it is not given.
+pub const DEFAULT_AOV: &str = "inputs,mse";
+
 /// What may stand in `--aov`.
 const LAYERS: [&str; 6] = ["inputs", "mse", "samples", "spikes", "bandwidth", "rank"];
 
@@ -24,6 +27,8 @@ const LAYERS: [&str; 6] = ["inputs", "mse", "samples", "spikes", "bandwidth", "r
 pub struct Outputs {
     files: Vec<PathBuf>,
     layers: Vec<String>,
+    /// Whether these were chosen one by one, so that whoever did will look for each.
+    chosen: bool,
     exposure: Option<f32>,
 }
 
@@ -39,7 +44,8 @@ impl Outputs {
             check_format(file)?;
             check_writable(file)?;
         }
-        Ok(Self { files, layers: layers(&args.aov)?, exposure: args.exposure })
+        let chosen = args.aov != DEFAULT_AOV && args.aov != "all";
+        Ok(Self { files, layers: layers(&args.aov)?, chosen, exposure: args.exposure })
     }
 
     /// The files, in the order given.
@@ -61,6 +67,7 @@ impl Outputs {
     /// # Errors
     /// When one cannot be written; those before it are complete.
     pub fn write(&self, written: &Written<'_>, progress: &Progress) -> Result<()> {
+        self.say_what_there_is_not(written, progress);
         for file in &self.files {
             match extension(file).as_str() {
                 "exr" => self.write_exr(file, written)?,
@@ -70,6 +77,19 @@ impl Outputs {
             }
         }
         Ok(())
+    }
+
+    /// Layers that were chosen, but that nothing made.
+    fn say_what_there_is_not(&self, written: &Written<'_>, progress: &Progress) {
+        let made = written.reconstruction.map_or_else(Vec::new, maps_of);
+        let is_made =
+            |layer: &str| ["inputs", "samples"].contains(&layer) || made.iter().any(|(name, _)| *name == layer);
+        let missing: Vec<&str> = self.layers.iter().map(String::as_str).filter(|layer| !is_made(layer)).collect();
+        if !self.chosen || missing.is_empty() || !self.files.iter().any(|file| extension(file) == "exr") {
+            return;
+        }
+        let why = if written.reconstruction.is_some() { "this method makes none" } else { "nothing was reconstructed" };
+        progress.say(&format!("--aov: there is no layer {}: {why}", missing.join(", ")));
     }
 
     fn write_exr(&self, file: &Path, written: &Written<'_>) -> Result<()> {
