@@ -39,6 +39,8 @@ fn scenes_that_are_none() {
     refused(&workplace, "render range.obj -o a.exr", &["range.obj", "4"]);
     refused(&workplace, "render key.toml -o a.exr", &["key.toml", "4", "fow", "fov"]);
     refused(&workplace, "render none.toml -o a.exr", &["none.toml:2", "at least 1 sample"]);
+    workplace.write("preset.toml", "[render]\npreset = \"fats\"\n[[geometry]]\nfile = \"box.obj\"\n");
+    refused(&workplace, "render preset.toml -o a.exr", &["preset.toml:2", "best, fast, paper", "'fats'"]);
     refused(&workplace, "render box.mtl -o a.exr", &["box.mtl"]);
 }
 

@@ -523,6 +523,25 @@ fn samples_of_an_interrupted_render_are_not_lost() {
 }
 
 #[test]
+fn a_scene_may_name_the_preset_that_its_own_settings_and_flags_override() {
+    let workplace = Workplace::new();
+    let render = "[render]\nspike_threshold = 3.0\npreset = \"paper\"\n";
+    workplace.write("box.toml", &format!("{render}[[geometry]]\nfile = \"box.obj\"\n"));
+    let report = |flags: &str| {
+        json(&workplace.must(&format!("render box.toml --size 8x8 --spp 2 -o a.exr --json --quiet {flags}")).stdout())
+    };
+    let settings = |report: &Value| {
+        let settings = &report["settings"]["reconstruction"];
+        (settings["method"]["fit"].clone(), settings["spikes"]["threshold"].clone())
+    };
+    let paper = report("");
+    assert_eq!((paper["preset"].as_str(), settings(&paper)), (Some("paper"), ("local".into(), 3.0.into())));
+    let fast = report("--preset fast");
+    assert_eq!((fast["preset"].as_str(), settings(&fast).1), (Some("fast"), 3.0.into()));
+    assert_ne!(settings(&fast).0, "local");
+}
+
+#[test]
 fn layers_that_were_chosen_and_are_not_made_are_named() {
     let workplace = Workplace::new();
     let said =

@@ -3,7 +3,8 @@
 use std::time::Duration;
 
 use anyhow::Result;
-use clap::ArgMatches;
+use clap::builder::PossibleValue;
+use clap::{ArgMatches, ValueEnum};
 use stack::{Knobs, Size, Window};
 use tracer::scene::{RawRender, nearest_name};
 
@@ -42,7 +43,7 @@ impl Plan {
     /// # Errors
     /// A value that cannot be read, is out of range, or a crop outside the picture.
     pub fn new(args: &RenderArgs, matches: &ArgMatches, scene: Option<&RawRender>) -> Result<Self> {
-        let preset = args.picture.preset.unwrap_or_default();
+        let preset = args.picture.preset.or(scene_preset(scene)?).unwrap_or_default();
         let mut settings = Settings::of(preset);
         let wishes = Wishes::read(scene, &mut settings)?;
         settings.override_by(matches)?;
@@ -86,6 +87,19 @@ fn at_least_one(spp: u32) -> Result<u32, String> {
     if spp == 0 { Err("expected at least 1 sample per pixel, found 0".into()) } else { Ok(spp) }
 }
 
+/// The preset that the scene starts from.
+fn scene_preset(scene: Option<&RawRender>) -> Result<Option<Preset>> {
+    let Some(table) = scene else { return Ok(None) };
+    let Some(entry) = table.entries.iter().find(|entry| entry.key == "preset") else { return Ok(None) };
+    let known: Vec<_> = Preset::value_variants().iter().filter_map(ValueEnum::to_possible_value).collect();
+    let names: Vec<&str> = known.iter().map(PossibleValue::get_name).collect();
+    let wrong = || {
+        let (file, line, text) = (table.file.display(), entry.line, &entry.text);
+        usage(format!("{file}:{line}: preset: expected {}, found '{text}'", names.join(", ")))
+    };
+    Preset::from_str(&entry.text, false).map(Some).map_err(|_| wrong())
+}
+
 /// What the scene's `[render]` table asks for beside settings.
 #[derive(Default)]
 struct Wishes {
@@ -105,6 +119,8 @@ impl Wishes {
                     let wrong = || place(format!("expected a whole number, found '{}'", entry.text));
                     wishes.spp = Some(at_least_one(entry.text.parse().map_err(|_| wrong())?).map_err(place)?);
                 }
+                // Read before all others, which override it.
+                "preset" => {}
                 key => match settings.set(&key.replace('_', "-"), &entry.text) {
                     Some(outcome) => outcome.map_err(|error| place(error.to_string()))?,
                     None => return Err(place(unknown(key))),
@@ -117,7 +133,7 @@ impl Wishes {
 
 fn unknown(key: &str) -> String {
     let known = Settings::describe().into_iter().map(|knob| knob.flag.replace('-', "_"));
-    let known: Vec<String> = known.chain(["size".into(), "spp".into()]).collect();
+    let known: Vec<String> = known.chain(["size", "spp", "preset"].map(String::from)).collect();
     match nearest_name(key, known.iter().map(String::as_str)) {
         Some(nearest) => format!("unknown key '{key}' in [render]; the nearest known one is '{nearest}'"),
         None => format!("unknown key '{key}' in [render]"),
