@@ -89,6 +89,9 @@ fn stacks_that_are_none() {
     refused(&workplace, "denoise a.exr -o b.exr --require shadow", &["shadow"]);
     refused(&workplace, "compare a.exr text.exr", &["text.exr"]);
     refused(&workplace, "info text.exr", &["text.exr"]);
+    workplace.must("denoise a.exr -o done.exr --aov none --quiet");
+    refused(&workplace, "denoise done.exr -o b.exr", &["done.exr", "finished picture", "--aov inputs"]);
+    assert!(workplace.must("info done.exr").stdout().contains("24x16"), "what it holds can be told");
     without_colour(&workplace);
     refused(&workplace, "denoise grey.exr -o b.exr", &["grey.exr", "colour", "R G B"]);
 }

@@ -67,6 +67,13 @@ impl Task<'_> {
     pub fn run(&self, outputs: &Outputs, progress: &Progress) -> Result<Value> {
         let start = Instant::now();
         let told = survey(&self.inputs, &self.wishes.reading)?;
+        if let Some(file) = &told.without_inputs {
+            return Err(usage(format!(
+                "{}: holds a finished picture, and not the samples it was made of; render it with --aov inputs, or denoise \
+                 the file it came from",
+                file.display()
+            )));
+        }
         let settings = resolve(self.rebuild.picture.preset, self.matches, told.header.as_ref(), progress)?;
         let leave_out = unneeded(&settings, outputs);
         let options = ReadOptions { leave_out, ..self.wishes.reading.clone() };

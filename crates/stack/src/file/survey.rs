@@ -1,7 +1,10 @@
 //! What a stack will take in memory, told by the headers of its files alone.
 
+use std::path::{Path, PathBuf};
+
 use super::loaded::ReadOptions;
 use super::memory::check_fits;
+use super::own::{header_of, is_own};
 use super::read::read_inputs_by;
 use super::taken::outline_taken;
 use super::{FileError, Inputs, StackHeader};
@@ -28,6 +31,8 @@ pub struct Survey {
     pub buckets: usize,
     /// What our own files say about themselves.
     pub header: Option<StackHeader>,
+    /// A file of ours among the renders that holds the picture alone, without what it was made of.
+    pub without_inputs: Option<PathBuf>,
 }
 
 /// Looks at the headers of `inputs`: a stack of the same layers, but of one pixel, is put together as the whole one will
@@ -37,8 +42,12 @@ pub struct Survey {
 /// As [`super::read_inputs`], where headers tell, and when all files together need more memory than is free.
 pub fn survey(inputs: &Inputs, options: &ReadOptions) -> Result<Survey, FileError> {
     let mut first = None;
+    let mut without_inputs = None;
     let one_pixel = read_inputs_by(inputs, options, &mut |path, taken| {
         let (layers, size) = outline_taken(path, taken)?;
+        if is_render(path, inputs) && header_of(&layers)?.is_some() && !is_own(&layers) {
+            without_inputs.get_or_insert_with(|| path.to_path_buf());
+        }
         first.get_or_insert_with(|| (path.to_path_buf(), size));
         Ok(layers)
     })?;
@@ -50,7 +59,16 @@ pub fn survey(inputs: &Inputs, options: &ReadOptions) -> Result<Survey, FileErro
     let of_all = |bytes: usize| bytes.saturating_mul(size.pixels());
     let (bytes, staying_bytes, reading_bytes) = (of_all(bytes), of_all(staying), of_all(reading));
     let buckets = one_pixel.stack.samples.dealing.buckets();
-    Ok(Survey { size, bytes, staying_bytes, reading_bytes, buckets, header: one_pixel.header })
+    Ok(Survey { size, bytes, staying_bytes, reading_bytes, buckets, header: one_pixel.header, without_inputs })
+}
+
+/// Whether `path` is a whole render among `inputs`, and not a file that only lends a layer.
+fn is_render(path: &Path, inputs: &Inputs) -> bool {
+    match inputs {
+        Inputs::Files(files) => files.len() == 1,
+        Inputs::Halves(halves, _) => halves.iter().any(|half| half == path),
+        Inputs::Buckets(_) | Inputs::Slices(_) => true,
+    }
 }
 
 #[cfg(test)]
