@@ -542,6 +542,29 @@ fn a_scene_may_name_the_preset_that_its_own_settings_and_flags_override() {
 }
 
 #[test]
+fn denoise_tells_what_render_tells_and_null_where_it_cannot_know() {
+    let workplace = Workplace::new();
+    let line = "render box.obj --size 16x12 --spp 4 --seed 5 --uniform --no-denoise -o a.exr --json --quiet";
+    let rendered = json(&workplace.must(line).stdout());
+    assert!(rendered["seconds"]["reconstruct"].is_null() && rendered["seconds"]["trace"].is_number());
+    let ours = json(&workplace.must("denoise a.exr -o b.exr --json --quiet").stdout());
+    for key in rendered.as_object().unwrap().keys() {
+        let of_scenes = ["not_finite", "triangles", "textures_missing"].contains(&key.as_str());
+        assert!(of_scenes || ours.get(key).is_some(), "{key}");
+    }
+    assert_eq!((ours["seed"].as_u64(), ours["samples"].as_u64()), (Some(5), Some(16 * 12 * 4)));
+    assert!(ours["seconds"]["reconstruct"].is_number() && ours["preset"].is_null(), "{ours}");
+    let mut layers = Layers::read(&workplace.path("a.exr")).unwrap();
+    layers.metadata = None;
+    layers.channels.retain(|channel| channel.name.contains('.') && !channel.name.starts_with("samples"));
+    layers.write(&workplace.path("foreign.exr")).unwrap();
+    let foreign = json(&workplace.must("denoise foreign.exr -o c.exr --preset fast --json --quiet").stdout());
+    assert!(["seed", "samples", "rays", "iterations"].iter().all(|key| foreign[key].is_null()), "{foreign}");
+    assert!(foreign["settings"]["trace"].is_null() && foreign["settings"]["reconstruction"].is_object());
+    assert_eq!(foreign["preset"], "fast");
+}
+
+#[test]
 fn layers_that_were_chosen_and_are_not_made_are_named() {
     let workplace = Workplace::new();
     let said =

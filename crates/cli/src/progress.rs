@@ -74,6 +74,12 @@ impl Progress {
         self.stages.lock().map(|stages| stages.seconds.clone()).unwrap_or_default()
     }
 
+    /// Seconds of all stages together.
+    pub fn total_seconds(&self) -> f64 {
+        // From 0 on: the sum of nothing is -0.
+        self.stage_seconds().iter().fold(0.0, |sum, (_, seconds)| sum + seconds)
+    }
+
     fn switch(&self, next: Option<&'static str>) {
         let Ok(mut stages) = self.stages.lock() else { return };
         let now = Instant::now();

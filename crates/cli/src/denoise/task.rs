@@ -111,15 +111,18 @@ impl Task<'_> {
         };
         let writing = Instant::now();
         outputs.write(&written, progress)?;
-        let seconds =
-            [("load", loaded), ("write", writing.elapsed().as_secs_f64()), ("total", start.elapsed().as_secs_f64())];
-        say_what_was_done(progress, &reconstruction, seconds[2].1);
+        let [write, total] = [writing, start].map(|since| since.elapsed().as_secs_f64());
+        let seconds = Clock { load: loaded, write, total };
+        say_what_was_done(progress, &reconstruction, total);
+        // A file of ours records settings, but not where they began.
+        let preset = self.rebuild.picture.preset.or(read.header.is_none().then(Preset::default));
         let outcome = Outcome {
             outputs,
             written: &written,
             noisy,
             found: &read.found,
-            seconds: &seconds,
+            preset,
+            seconds,
             guide: followed.as_ref(),
         };
         Ok(outcome.json(progress))
@@ -250,33 +253,54 @@ fn say_what_was_done(progress: &Progress, reconstruction: &Reconstruction, secon
     progress.say(&format!("done in {seconds:.1} s ({})", stages.join(", ")));
 }
 
+/// Seconds of the steps that are no stage of the reconstruction.
+struct Clock {
+    load: f64,
+    write: f64,
+    total: f64,
+}
+
 struct Outcome<'a> {
     outputs: &'a Outputs,
     written: &'a Written<'a>,
     /// Mean radiance of the noisy picture.
     noisy: f64,
     found: &'a Found,
-    seconds: &'a [(&'a str, f64)],
+    /// The preset that the settings began with, where that is known.
+    preset: Option<Preset>,
+    seconds: Clock,
     guide: Option<&'a Followed>,
 }
 
 impl Outcome<'_> {
     fn json(&self, progress: &Progress) -> Value {
         let size = self.written.stack.size();
+        // A value that a file does not record is null.
+        let settings = &self.written.header.settings;
+        let counts = self.written.stack.samples.total.iter();
+        let samples = self.found.spp.as_ref().map(|_| counts.map(|&n| u64::from(n)).sum::<u64>());
         json!({
             "output": self.outputs.files(),
             "width": size.width,
             "height": size.height,
             "found": self.found,
+            "samples": samples,
+            "rays": null,
+            "iterations": null,
+            "seed": settings["trace"]["seed"],
+            "preset": self.preset,
             "spp": self.found.spp.as_ref().map(|spp| json!({"mean": spp.mean, "min": spp.min, "max": spp.max})),
-            "seconds": self.seconds.iter().map(|(name, s)| (name.to_string(), json!(s))).collect::<serde_json::Map<_, _>>(),
+            "seconds": {
+                "load": self.seconds.load, "build": null, "trace": null, "reconstruct": progress.total_seconds(),
+                "write": self.seconds.write, "total": self.seconds.total,
+            },
             "stages": report::stages(progress),
             "lacks": report::lacks(self.written),
             "guide": self.guide.map(Followed::json),
             "estimated_rmse": report::estimated_rmse(self.written),
             "energy": report::energy(self.noisy, self.written.picture),
             "peak_bytes": memory::peak_bytes(),
-            "settings": self.written.header.settings,
+            "settings": settings,
         })
     }
 }

@@ -30,8 +30,7 @@ pub fn render(
     let size = written.stack.size();
     let (mean, min, max) = written.stack.samples.mean_min_max();
     let trace = progress.seconds("trace");
-    // From 0 on: the sum of nothing is -0.
-    let reconstruct = progress.stage_seconds().iter().fold(0.0, |sum, (_, seconds)| sum + seconds) - trace;
+    let reconstruct = written.reconstruction.map(|_| progress.total_seconds() - trace);
     let iterations: Vec<Value> = finished
         .rounds
         .iter()
