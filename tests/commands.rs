@@ -431,6 +431,9 @@ fn a_guide_is_followed_where_it_is_nearer_to_the_truth() {
     let weight = |report: &Value| report["guide"]["mean_weight"].as_f64().unwrap();
     let (near, same) = (guided("near.exr", "near-guided.exr"), guided("alone.exr", "same.exr"));
     assert!(weight(&near) > 0.05 && (0.0..=1.0).contains(&weight(&same)), "{near} {same}");
+    let line = "render box.obj --size 40x32 --spp 8 --seed 1 --uniform --guide near.exr -o at-once.exr --json";
+    assert_eq!(weight(&json(&workplace.must(line).stdout())), weight(&near), "render follows it as denoise does");
+    assert!(workplace.bytes("at-once.exr") == workplace.bytes("near-guided.exr"));
     let error = |file: &str| {
         let report = json(&workplace.must(&format!("compare reference.exr {file} --json")).stdout());
         report["images"][0]["rmse"].as_f64().unwrap()
@@ -441,6 +444,7 @@ fn a_guide_is_followed_where_it_is_nearer_to_the_truth() {
     for (line, word) in [
         ("denoise noisy.exr --guide small.exr -o x.exr", "20x16"),
         ("denoise noisy.exr --guide gone.exr -o x.exr", "gone.exr"),
+        ("render box.obj --size 40x32 --spp 4 --guide small.exr -o x.exr", "20x16"),
     ] {
         let run = workplace.tamis(line);
         assert_eq!((run.code(), run.errors().len(), workplace.path("x.exr").exists()), (Some(2), 1, false));

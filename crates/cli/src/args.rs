@@ -189,6 +189,10 @@ pub struct RenderArgs {
     /// Leave the picture as it was sampled.
     #[arg(long, help_heading = "Picture")]
     pub no_denoise: bool,
+    /// Another denoiser's picture of the same render (.exr, .pfm), mixed in at the end where it is likely to be nearer to the
+    /// truth.
+    #[arg(long, value_name = "FILE", conflicts_with = "no_denoise", help_heading = "Picture")]
+    pub guide: Option<PathBuf>,
     /// Show the picture while it is made in the image viewer tev, at localhost:14158 if no other address is given.
     #[arg(long, value_name = "HOST:PORT", num_args = 0..=1, default_missing_value = crate::options::TEV_ADDRESS,
         help_heading = "Output")]

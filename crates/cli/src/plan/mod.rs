@@ -102,6 +102,7 @@ fn samples_per_pixel(args: &RenderArgs, matches: &ArgMatches) -> Result<u32> {
         ("--time", args.time.is_some()),
         ("--target-error", args.target_error.is_some()),
         ("--no-denoise", args.no_denoise),
+        ("--guide", args.guide.is_some()),
     ];
     if let Some((flag, _)) = without.into_iter().find(|(_, given)| *given) {
         return Err(usage(format!(

@@ -15,6 +15,7 @@ use super::Budget;
 use super::checkpoint::Checkpoint;
 use super::tev::Preview;
 use super::time_left::TimeLeft;
+use crate::guide::Followed;
 use crate::interrupt;
 use crate::progress::Progress;
 use crate::settings::Settings;
@@ -68,6 +69,8 @@ pub struct Finished {
     pub interrupted: bool,
     /// A target error was given and not reached.
     pub missed_target: bool,
+    /// How far another denoiser's picture was followed.
+    pub guide: Option<Followed>,
 }
 
 /// Fills `film`, which may hold samples already, within `budget` and reconstructs its picture.
@@ -265,6 +268,7 @@ impl State<'_> {
             not_finite: report.not_finite,
             interrupted,
             missed_target: false,
+            guide: None,
         };
         if sampling.preview.is_some() {
             // Of samples that are not rebuilt no error is known.

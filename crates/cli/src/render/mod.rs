@@ -25,6 +25,7 @@ use tracer::film::Film;
 
 use crate::args::RenderArgs;
 use crate::failure::Verdict;
+use crate::guide::Guide;
 use crate::interrupt;
 use crate::output::{Outputs, Written};
 use crate::progress::Progress;
@@ -109,7 +110,17 @@ impl Render<'_> {
             preview: preview.as_ref(),
             checkpoint,
         };
-        let finished = trace_adaptively(&sampling, film, &plan.budget, plan.reconstruct)?;
+        // One that does not fit is found before the work.
+        let guide = args.guide.as_deref().map(|file| Guide::read(file, plan.window.size)).transpose()?;
+        let mut finished = trace_adaptively(&sampling, film, &plan.budget, plan.reconstruct)?;
+        if let (Some(guide), Some(rebuilt)) = (guide, &mut finished.reconstruction) {
+            match guide.mix(&finished.stack, rebuilt, &plan.settings.reconstruction, progress) {
+                Ok(followed) => finished.guide = Some(followed),
+                // The samples are kept, as when anything else is interrupted.
+                Err(_) if interrupt::requested() => finished.interrupted = true,
+                Err(error) => return Err(error),
+            }
+        }
         progress.finish();
         Ok(finished)
     }
@@ -230,6 +241,7 @@ impl Finished {
             not_finite: 0,
             interrupted: false,
             missed_target: false,
+            guide: None,
         }
     }
 

@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 use tracer::scene::Scene;
 
 use super::{Finished, Plan, View};
+use crate::guide::Followed;
 use crate::memory;
 use crate::output::{Outputs, Written};
 use crate::progress::Progress;
@@ -54,6 +55,7 @@ pub fn render(
         "estimated_rmse": estimated_rmse(written),
         "energy": energy(mean_radiance(&written.stack.beauty()), written.picture),
         "iterations": iterations,
+        "guide": finished.guide.as_ref().map(Followed::json),
         "peak_bytes": memory::peak_bytes(),
         "seed": plan.settings.trace.seed,
         "preset": plan.preset,
