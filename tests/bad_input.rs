@@ -53,7 +53,25 @@ fn flags_that_are_wrong() {
     for flag in ["--target-error", "--exposure", "--env-scale"] {
         refused(&workplace, &format!("render box.obj -o a.exr {flag} nan"), &[flag, "finite"]);
     }
-    refused(&workplace, "render box.obj -o a.exr --spp 0", &["--spp"]);
+    for spp in [0, -1] {
+        refused(&workplace, &format!("render box.obj -o a.exr --spp {spp}"), &["--spp", "1..="]);
+    }
+    for (flag, expected) in [
+        ("--env -1,0,0", "at least 0"),
+        ("--env-scale -1", "at least 0"),
+        ("--target-error -1", "above 0"),
+        ("--crop -1,0,2,2", "x and y from 0"),
+        ("--size -3x5", "a width and a height"),
+        ("--samples -1..3", "A below B"),
+        ("--time -5s", "a number and s, m or h"),
+    ] {
+        refused(&workplace, &format!("render box.obj -o a.exr {flag}"), &[expected]);
+    }
+    for flag in ["--max-rmse", "--max-flip"] {
+        for limit in ["-1", "nan"] {
+            refused(&workplace, &format!("compare a.exr b.exr {flag} {limit}"), &[flag, "at least 0"]);
+        }
+    }
     refused(&workplace, "render box.obj -o a.gif", &["a.gif", ".exr"]);
     refused(&workplace, "render box.obj -o a.exr --spike-tile-size 1", &["--spike-tile-size", "4..=1024"]);
     refused(&workplace, "render box.obj -o a.exr --size 32x32 --crop 30,0,5,5", &["--crop"]);

@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
-use clap::{Arg, ArgMatches, Args, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{Arg, ArgAction, ArgMatches, Args, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
 use stack::Knobs;
 use stack::file::{Convention, Mapping, ReadOptions};
 
 use crate::failure::usage;
 use crate::memory::Bytes;
-use crate::options::{Crop, PictureSize, Shutter, Sky, Triple, above_zero, finite};
+use crate::options::{Crop, PictureSize, Shutter, Sky, Triple, above_zero, finite, not_negative};
 use crate::settings::{Preset, Settings};
 
 /// Renders a scene on the CPU, or denoises another renderer's feature stack.
@@ -92,7 +92,7 @@ pub struct OutputArgs {
     #[arg(long, value_name = "LIST", default_value = crate::output::DEFAULT_AOV)]
     pub aov: String,
     /// Exposure of the .png in stops [default: chosen from the picture].
-    #[arg(long, value_name = "EV", allow_negative_numbers = true, value_parser = finite::<f32>)]
+    #[arg(long, value_name = "EV", value_parser = finite::<f32>)]
     pub exposure: Option<f32>,
 }
 
@@ -145,28 +145,29 @@ pub struct RenderArgs {
     #[arg(long, value_name = "NAME", help_heading = "Camera")]
     pub camera: Option<String>,
     /// Size of the picture [default: 512x512, or what the scene says].
-    #[arg(long, value_name = "WxH", help_heading = "Camera")]
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true, help_heading = "Camera")]
     pub size: Option<PictureSize>,
     /// Trace only this rectangle of the picture.
-    #[arg(long, value_name = "X,Y,W,H", help_heading = "Camera")]
+    #[arg(long, value_name = "X,Y,W,H", allow_hyphen_values = true, help_heading = "Camera")]
     pub crop: Option<Crop>,
 
     /// Sky that replaces the scene's: a latitude-longitude map (.hdr, .exr, .pfm), or a radiance that is the same
     /// everywhere.
-    #[arg(long, value_name = "FILE|R,G,B", help_heading = "Light")]
+    #[arg(long, value_name = "FILE|R,G,B", allow_hyphen_values = true, help_heading = "Light")]
     pub env: Option<Sky>,
     /// Turn of the sky's map round the vertical in degrees, counter-clockwise seen from above.
-    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = finite::<f32>, help_heading = "Light")]
+    #[arg(long, value_name = "DEG", value_parser = finite::<f32>, help_heading = "Light")]
     pub env_rotate: Option<f32>,
     /// Factor on the sky's radiance.
-    #[arg(long, value_name = "S", value_parser = finite::<f32>, help_heading = "Light")]
+    #[arg(long, value_name = "S", value_parser = not_negative::<f32>, help_heading = "Light")]
     pub env_scale: Option<f32>,
 
     /// Mean samples per pixel [default: 32, or what the scene says].
-    #[arg(long, value_name = "N", help_heading = "Work")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), help_heading = "Work")]
     pub spp: Option<u32>,
     /// Stop after this time (`90s`, `5m`, `1h`).
-    #[arg(long, value_name = "TIME", value_parser = crate::options::duration, help_heading = "Work")]
+    #[arg(long, value_name = "TIME", value_parser = crate::options::duration, allow_hyphen_values = true,
+        help_heading = "Work")]
     pub time: Option<std::time::Duration>,
     /// Stop when the estimated relative MSE of the picture is this low; exit 1 when the budget ends before.
     #[arg(long, value_name = "E", value_parser = above_zero, help_heading = "Work")]
@@ -176,7 +177,8 @@ pub struct RenderArgs {
     pub uniform: bool,
     /// Only the samples A to B-1 of every pixel (A..B), uniformly. `merge` adds such slices up; together they hold the
     /// same samples as one uniform render, but gathered light is made within each.
-    #[arg(long, value_name = "A..B", conflicts_with_all = ["spp", "time", "target_error"], help_heading = "Work")]
+    #[arg(long, value_name = "A..B", allow_hyphen_values = true,
+        conflicts_with_all = ["spp", "time", "target_error"], help_heading = "Work")]
     pub samples: Option<crate::options::SampleRange>,
     /// Go on from the samples in the output's .exr, or in the .partial.exr that an interrupted run left, up to what is
     /// asked for.
@@ -184,7 +186,8 @@ pub struct RenderArgs {
     pub resume: bool,
     /// Keep the samples there are in OUT.partial.exr, for --resume, so long after the last time (`5m`), as soon as up to eight
     /// samples of every pixel are done.
-    #[arg(long, value_name = "TIME", value_parser = crate::options::duration, help_heading = "Output")]
+    #[arg(long, value_name = "TIME", value_parser = crate::options::duration, allow_hyphen_values = true,
+        help_heading = "Output")]
     pub checkpoint: Option<std::time::Duration>,
     /// Leave the picture as it was sampled.
     #[arg(long, help_heading = "Picture")]
@@ -331,10 +334,10 @@ pub struct CompareArgs {
     #[arg(long, value_name = "E", value_parser = finite::<f32>, default_value_t = 0.001)]
     pub epsilon: f32,
     /// Exit 1 when an image's relative MSE is above this.
-    #[arg(long, value_name = "X", value_parser = finite::<f64>)]
+    #[arg(long, value_name = "X", value_parser = not_negative::<f64>)]
     pub max_rmse: Option<f64>,
     /// Exit 1 when an image's LDR-FLIP is above this.
-    #[arg(long, value_name = "X", value_parser = finite::<f64>)]
+    #[arg(long, value_name = "X", value_parser = not_negative::<f64>)]
     pub max_flip: Option<f64>,
     /// A picture of the same size: pixels that are black in it are left out of every measure.
     #[arg(long, value_name = "FILE")]
@@ -457,7 +460,17 @@ pub fn command() -> Command {
         Settings::describe_sampling().into_iter().fold(command, refusing_knob)
     };
     let command = ["render", "plan"].into_iter().fold(Cli::command(), |whole, name| whole.mut_subcommand(name, all));
-    ["denoise", "merge"].into_iter().fold(command, |whole, name| whole.mut_subcommand(name, rebuild))
+    let command = ["denoise", "merge"].into_iter().fold(command, |whole, name| whole.mut_subcommand(name, rebuild));
+    command.mut_subcommands(|command| command.mut_args(taking_negative_numbers))
+}
+
+/// A flag that reads a negative number as its value: what is wrong with it says the flag itself, where `clap` would only
+/// take it for another flag.
+fn taking_negative_numbers(arg: Arg) -> Arg {
+    let takes_one = matches!(arg.get_action(), ArgAction::Set | ArgAction::Append)
+        && !arg.is_positional()
+        && arg.get_num_args().is_none();
+    if takes_one { arg.allow_negative_numbers(true) } else { arg }
 }
 
 /// A setting of how samples are taken, where they are there already: its flag is known, so that it can be said why not.

@@ -74,8 +74,8 @@ impl FromStr for PictureSize {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        match numbers::<usize>(text, 'x')?[..] {
-            [width, height] if (1..=LONGEST_SIDE).contains(&width) && (1..=LONGEST_SIDE).contains(&height) => {
+        match numbers::<usize>(text, 'x').as_deref() {
+            Ok(&[width, height]) if (1..=LONGEST_SIDE).contains(&width) && (1..=LONGEST_SIDE).contains(&height) => {
                 Ok(Self(Size::new(width, height)))
             }
             _ => Err(format!("expected a width and a height from 1 to {LONGEST_SIDE}, as in 640x480")),
@@ -138,6 +138,12 @@ impl FromStr for Address {
 pub fn finite<T: FromStr + Copy + Into<f64>>(text: &str) -> Result<T, String> {
     let number = text.parse().ok().filter(|number: &T| (*number).into().is_finite());
     number.ok_or_else(|| "expected a finite number".into())
+}
+
+/// A finite number of at least 0.
+pub fn not_negative<T: FromStr + Copy + Into<f64>>(text: &str) -> Result<T, String> {
+    let number = finite(text).ok().filter(|number: &T| (*number).into() >= 0.0);
+    number.ok_or_else(|| "expected a finite number of at least 0".into())
 }
 
 /// A finite number above 0.

@@ -68,7 +68,6 @@ fn inside(crop: Window, size: Size) -> Result<Window> {
 }
 
 fn budget(args: &RenderArgs, scene_spp: Option<u32>) -> Result<Budget> {
-    args.spp.map(at_least_one).transpose().map_err(|wrong| usage(format!("--spp: {wrong}")))?;
     // What a scene says of samples is a default: a time or an error that was asked for takes its place.
     let bounded = args.time.is_some() || args.target_error.is_some();
     let spp = args.spp.or((!bounded).then_some(scene_spp.unwrap_or(SPP)));
