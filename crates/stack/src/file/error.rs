@@ -1,5 +1,6 @@
 //! What can go wrong with a stack's file.
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use crate::merge::MergeError;
@@ -179,6 +180,10 @@ impl FileError {
     pub fn fault(&self) -> Fault {
         match self {
             Self::Io { action: Action::Read, .. } => Fault::Input,
+            // A folder that is not there is no failure of the machine.
+            Self::Io { source, .. } if matches!(source.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
+                Fault::Usage
+            }
             Self::Io { action: Action::Write, .. } => Fault::Machine,
             Self::TooFewBuckets { .. } | Self::Unclear { .. } | Self::SampleCounts { .. } => Fault::Usage,
             Self::Merge(cause) => cause.fault(),
