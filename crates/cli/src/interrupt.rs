@@ -9,7 +9,7 @@ pub fn listen() {
     // A handler may already be there (a second command in one process): then it sets the same flag.
     let _ = ctrlc::set_handler(|| {
         if STOP.swap(true, Ordering::SeqCst) {
-            std::process::exit(130);
+            stack::file::exit_without_litter(130);
         }
     });
 }

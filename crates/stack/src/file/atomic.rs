@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+use super::temporaries::{Listed, TEMPORARIES};
 use super::{Action, FileError};
 
 /// Writes `path` through a temporary file beside it, which replaces `path` only once `write` has succeeded. A file that was
@@ -17,7 +18,7 @@ pub fn write_atomically(
 ) -> Result<(), FileError> {
     let failed = |source| FileError::io(path, Action::Write, source);
     let target = target_of(path);
-    let mut temporary = temporary_beside(&target).map_err(failed)?;
+    let (mut temporary, _listed) = temporary_beside(&target).map_err(failed)?;
     let mut buffered = BufWriter::new(temporary.as_file_mut());
     write(&mut buffered)?;
     buffered.flush().map_err(failed)?;
@@ -52,21 +53,21 @@ fn target_of(path: &Path) -> PathBuf {
     target
 }
 
-/// A file in the folder of `path`, with the permissions of what is there.
-fn temporary_beside(path: &Path) -> std::io::Result<tempfile::NamedTempFile> {
+/// A file in the folder of `path`, with the permissions of what is there, and its place in the list.
+fn temporary_beside(path: &Path) -> std::io::Result<(tempfile::NamedTempFile, Listed<'static>)> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
     builder.prefix(".tamis-");
     // A temporary file is private by default; the result shall have the permissions any new file gets.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let temporary = builder.tempfile_in(folder)?;
+    let (temporary, listed) = TEMPORARIES.list(|| builder.tempfile_in(folder))?;
     if let Some(old) = path.metadata().ok().filter(std::fs::Metadata::is_file)
         && old.permissions() != temporary.as_file().metadata()?.permissions()
     {
         temporary.as_file().set_permissions(old.permissions())?;
     }
-    Ok(temporary)
+    Ok((temporary, listed))
 }
 
 #[cfg(test)]

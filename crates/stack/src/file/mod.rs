@@ -57,6 +57,7 @@ mod slot_names;
 mod sources;
 mod survey;
 mod taken;
+mod temporaries;
 #[cfg(test)]
 mod test_files;
 mod together;
@@ -80,4 +81,5 @@ pub use role::{Convention, Measure, Role, Slot};
 pub use slices::read_render;
 pub use sources::{Source, is_one_stack};
 pub use survey::{Survey, survey};
+pub use temporaries::exit_without_litter;
 pub use write::{ResultLayer, StackHeader, write_stack};
