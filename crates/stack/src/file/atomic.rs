@@ -61,13 +61,21 @@ fn temporary_beside(path: &Path) -> std::io::Result<(tempfile::NamedTempFile, Li
     // A temporary file is private by default; the result shall have the permissions any new file gets.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let (temporary, listed) = TEMPORARIES.list(|| builder.tempfile_in(folder))?;
+    let (temporary, listed) =
+        TEMPORARIES.list(|| builder.tempfile_in(folder)).map_err(|error| without_place(&error))?;
     if let Some(old) = path.metadata().ok().filter(std::fs::Metadata::is_file)
         && old.permissions() != temporary.as_file().metadata()?.permissions()
     {
         temporary.as_file().set_permissions(old.permissions())?;
     }
     Ok((temporary, listed))
+}
+
+/// An error of `tempfile` without the name of its own file, of which nobody has heard.
+fn without_place(error: &std::io::Error) -> std::io::Error {
+    let text = error.to_string();
+    let what = text.rsplit_once(" at path ").map_or(&*text, |(what, _)| what);
+    std::io::Error::new(error.kind(), what)
 }
 
 #[cfg(test)]
@@ -117,7 +125,9 @@ mod tests {
     #[test]
     fn an_absent_folder_is_found_before_the_work() {
         let folder = tempfile::tempdir().unwrap();
-        assert!(check_writable(&folder.path().join("absent/picture.exr")).is_err());
+        let error = check_writable(&folder.path().join("absent/picture.exr")).unwrap_err();
+        let why = std::error::Error::source(&error).unwrap().to_string();
+        assert!(why.contains("No such file") && !why.contains(".tamis-"), "{why}");
         assert!(check_writable(folder.path()).is_err());
         check_writable(&folder.path().join("picture.exr")).unwrap();
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
