@@ -2,6 +2,9 @@
 
 mod support;
 
+use std::io::Write;
+use std::process::Stdio;
+
 use exr::prelude::FlatSamples;
 use serde_json::Value;
 use stack::file::{Layers, Passthrough};
@@ -566,6 +569,42 @@ fn denoise_tells_what_render_tells_and_null_where_it_cannot_know() {
     assert!(["seed", "samples", "rays", "iterations"].iter().all(|key| foreign[key].is_null()), "{foreign}");
     assert!(foreign["settings"]["trace"].is_null() && foreign["settings"]["reconstruction"].is_object());
     assert_eq!(foreign["preset"], "fast");
+}
+
+#[test]
+fn compare_reads_what_render_writes() {
+    let workplace = Workplace::new();
+    let outputs = "-o a.exr -o a.png -o a.hdr -o a.pfm --exposure 0";
+    workplace.must(&format!("render box.obj --size 24x16 --spp 4 --uniform --no-denoise {outputs} --quiet"));
+    let report = json(&workplace.must("compare a.exr a.png a.hdr a.pfm --json").stdout());
+    let flip = |i: usize| report["images"][i]["flip"].as_f64().unwrap();
+    assert!(flip(0) < 0.01 && flip(1) < 0.03 && flip(2) == 0.0, "{report}");
+    let run = workplace.tamis("info a.png");
+    let said = run.stderr();
+    assert!(run.code() == Some(2) && said.contains(".obj") && said.contains(".exr"), "{said}");
+}
+
+#[test]
+fn inputs_may_come_through_pipes() {
+    let workplace = Workplace::new();
+    workplace.must("render box.obj --size 16x12 --spp 4 --uniform --no-denoise -o a.exr --quiet");
+    workplace.must("denoise a.exr -o b.exr --method ld --quiet");
+    let through_pipe = |line: &str| {
+        let mut child = workplace.command(line).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
+        child.stdin.take().unwrap().write_all(&workplace.bytes("a.exr")).unwrap();
+        let output = child.wait_with_output().unwrap();
+        assert!(output.status.success(), "{line}");
+        String::from_utf8(output.stdout).unwrap()
+    };
+    through_pipe("denoise - -o c.exr --method ld --quiet");
+    assert!(workplace.bytes("c.exr") == workplace.bytes("b.exr"));
+    #[cfg(target_os = "linux")]
+    through_pipe("denoise /dev/stdin -o d.exr --method ld --quiet");
+    assert_eq!(json(&through_pipe("info - --json"))[0]["file"], "-");
+    let report = json(&through_pipe("compare a.exr - --json"));
+    assert_eq!((&report["images"][0]["file"], report["images"][0]["rmse"].as_f64()), (&"-".into(), Some(0.0)));
+    let run = workplace.tamis("denoise a.exr -o -");
+    assert!(run.code() == Some(2) && run.stderr().contains("standard output"), "{}", run.stderr());
 }
 
 #[test]

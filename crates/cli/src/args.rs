@@ -192,7 +192,7 @@ pub struct RenderArgs {
     /// Leave the picture as it was sampled.
     #[arg(long, help_heading = "Picture")]
     pub no_denoise: bool,
-    /// Another denoiser's picture of the same render (.exr, .pfm), mixed in at the end where it is likely to be nearer to the
+    /// Another denoiser's picture of the same render (.exr, .pfm, .hdr), mixed in at the end where it is likely to be nearer to the
     /// truth.
     #[arg(long, value_name = "FILE", conflicts_with = "no_denoise", help_heading = "Picture")]
     pub guide: Option<PathBuf>,
@@ -290,7 +290,7 @@ pub struct DenoiseArgs {
     /// alpha, samples), `noise` (something is known about the colour's), `variance` or `buckets` (what).
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     pub require: Vec<String>,
-    /// Another denoiser's picture of the same stack (.exr, .pfm), mixed in where it is likely to be nearer to the truth.
+    /// Another denoiser's picture of the same stack (.exr, .pfm, .hdr), mixed in where it is likely to be nearer to the truth.
     #[arg(long, value_name = "FILE", conflicts_with = "also", help_heading = "Picture")]
     pub guide: Option<PathBuf>,
     /// Layers of light that the file carries along (passes, groups of lights), comma-separated: rebuilt with the weights

@@ -6,9 +6,9 @@ use anyhow::{Context, Result};
 use reconstruct::Reconstruction;
 use reconstruct::guide::{check_guide, guided};
 use serde_json::{Value, json};
-use stack::file::read_picture;
 use stack::{FeatureStack, Image, Size};
 
+use crate::any_picture::read_any_picture;
 use crate::progress::Progress;
 
 /// A picture to be guided by.
@@ -29,7 +29,7 @@ impl Guide {
     /// # Errors
     /// When it cannot be read, holds no colour, or has another size.
     pub fn read(file: &Path, size: Size) -> Result<Self> {
-        let picture = read_picture(file).context("--guide")?;
+        let (picture, _) = read_any_picture(file).context("--guide")?;
         check_guide(&picture, size).with_context(|| format!("--guide {}", file.display()))?;
         Ok(Self { file: file.into(), picture })
     }

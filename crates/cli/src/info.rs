@@ -10,14 +10,18 @@ use tracer::material::Surface;
 use tracer::scene::{Loaded, load};
 
 use crate::args::InfoArgs;
-use crate::failure::Verdict;
+use crate::failure::{Verdict, usage};
+use crate::spool::Spool;
 use crate::stdout::print_line;
 
 /// Runs the command.
 pub fn run(args: &InfoArgs) -> Result<Verdict> {
     let mut reports = Vec::new();
-    for files in groups(&args.files) {
-        let name = files.join(" ");
+    let mut spool = Spool::default();
+    let files = args.files.iter().map(|file| spool.text(file)).collect::<Result<Vec<_>>>()?;
+    let called = |file: &String| files.iter().position(|f| f == file).map_or(file, |at| &args.files[at]).clone();
+    for files in groups(&files) {
+        let name = files.iter().map(called).collect::<Vec<_>>().join(" ");
         let report = describe(&files, &name, args)?;
         if !args.json {
             print_line(as_text(&name, &report))?;
@@ -43,9 +47,16 @@ fn is_picture(file: &Path) -> bool {
     ["exr", "pfm", "phm"].contains(&extension(file).as_str())
 }
 
+fn is_scene(file: &Path) -> bool {
+    ["obj", "gltf", "glb", "toml"].contains(&extension(file).as_str())
+}
+
 fn describe(files: &[String], name: &str, args: &InfoArgs) -> Result<Value> {
     let sources: Vec<Source> = files.iter().map(|file| Source::parse(file)).collect();
     match &sources[..] {
+        [only] if !is_picture(&only.path) && !is_scene(&only.path) => {
+            Err(usage(format!("{name}: expected a scene (.obj, .gltf, .glb, .toml) or a stack (.exr, .pfm, .phm)")))
+        }
         [only] if !is_picture(&only.path) => Ok(describe_scene(&only.path, &load(&only.path)?)),
         _ => Ok(describe_stack(name, &read_inputs(&Inputs::Files(sources), &args.reading.options())?)),
     }

@@ -1,5 +1,6 @@
 //! The `tamis` command: parses, hands over to one module per subcommand, and turns errors into exit codes.
 
+mod any_picture;
 mod args;
 mod bench;
 mod compare;
@@ -23,6 +24,7 @@ mod progress;
 mod render;
 mod report;
 mod settings;
+mod spool;
 mod stderr;
 mod stdout;
 mod table;
@@ -41,7 +43,7 @@ fn main() -> ExitCode {
     let log = cli.command.report().and_then(|report| report.log_file.as_deref()).map_or(Ok(()), log_file::open);
     let outcome = log.and_then(|()| match cli.command {
         Task::Render(args) => render::run(&args, &matches),
-        Task::Denoise(args) => denoise::run(&args, &matches),
+        Task::Denoise(args) => denoise::run(args, &matches),
         Task::Merge(args) => merge::run(&args, &matches),
         Task::Plan(args) => plan::run(&args, &matches),
         Task::Compare(args) => compare::run(&args),

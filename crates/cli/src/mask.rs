@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use anyhow::Result;
-use stack::file::{Action, FileError, Layers, extension, read_pfm};
+use stack::file::{Layers, extension, read_pfm};
 use stack::{Image, Size};
 
+use crate::any_picture::{decode, image_of};
 use crate::failure::usage;
 
 /// Reads a picture of `size` as a mask: `false` where all its channels but alpha are 0.
@@ -16,7 +17,7 @@ pub fn read_mask(file: &Path, size: Size) -> Result<Vec<bool>> {
     let picture = match extension(file).as_str() {
         "exr" => every_channel(Layers::read(file)?),
         "pfm" => read_pfm(file)?,
-        _ => decode(file)?,
+        _ => image_of(&decode(file)?.into_rgb32f()),
     };
     if picture.size() != size {
         let message = format!("--mask {}: expected {size} pixels as in the reference", file.display());
@@ -32,18 +33,6 @@ fn every_channel(mut layers: Layers) -> Image {
     let is_alpha = |name: &&String| name.rsplit('.').next() == Some("A");
     let planes = names.iter().filter(|name| !is_alpha(name)).filter_map(|name| layers.take(name)).collect();
     Image::from_channels(layers.window.size, planes)
-}
-
-fn decode(file: &Path) -> Result<Image, FileError> {
-    let io = |source| FileError::Io { path: file.into(), action: Action::Read, source };
-    let reader = image::ImageReader::open(file).map_err(io)?.with_guessed_format().map_err(io)?;
-    let damaged = |error: image::ImageError| {
-        let reason = format!("{error}; expected .png, .exr, .pfm, .hdr, .jpg, .bmp or .tga");
-        FileError::Damaged { path: file.into(), format: "picture", reason }
-    };
-    let pixels = reader.decode().map_err(damaged)?.into_rgb32f();
-    let size = Size::new(pixels.width() as usize, pixels.height() as usize);
-    Ok(Image::from_channels(size, (0..3).map(|c| pixels.pixels().map(|pixel| pixel.0[c]).collect()).collect()))
 }
 
 #[cfg(test)]

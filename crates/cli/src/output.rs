@@ -135,6 +135,9 @@ impl Outputs {
 /// # Errors
 /// When it does not.
 pub fn check_format(file: &Path) -> Result<()> {
+    if file == Path::new("-") {
+        return Err(usage("-o -: pictures are written to files, and not to standard output; give a name"));
+    }
     if ["exr", "png", "hdr", "pfm"].contains(&extension(file).as_str()) {
         return Ok(());
     }

@@ -11,11 +11,12 @@ use std::path::Path;
 use anyhow::{Context, Result};
 use reconstruct::metrics::{Comparison, Reference, compare};
 use serde_json::{Value, json};
-use stack::file::read_picture_with_record;
 
+use crate::any_picture::read_any_picture;
 use crate::args::CompareArgs;
 use crate::failure::{Verdict, usage};
 use crate::mask::read_mask;
+use crate::spool::Spool;
 use crate::stdout::print_line;
 use page::{Page, Shown, check_page};
 use reduced::Scale;
@@ -27,8 +28,10 @@ pub fn run(args: &CompareArgs) -> Result<Verdict> {
         return Err(usage(format!("--epsilon: expected a number above 0, found {}", args.epsilon)));
     }
     args.html.as_deref().map(check_page).transpose()?;
-    let (picture, record) = read_picture_with_record(&args.reference)?;
-    let second = args.ref2.as_deref().map(read_picture_with_record).transpose()?;
+    let mut spool = Spool::default();
+    let mut read = |file: &Path| read_any_picture(&spool.path(file)?);
+    let (picture, record) = read(&args.reference)?;
+    let second = args.ref2.as_deref().map(&mut read).transpose()?;
     let mask = args.mask.as_deref().map(|file| read_mask(file, picture.size())).transpose()?;
     let reference = Reference {
         second: second.as_ref().map(|(picture, _)| picture),
@@ -39,7 +42,7 @@ pub fn run(args: &CompareArgs) -> Result<Verdict> {
     let scale = args.html.as_ref().map(|_| Scale::of(&picture));
     let (mut measured, mut shown) = (Vec::new(), Vec::new());
     for file in &args.images {
-        let (image, record) = read_picture_with_record(file)?;
+        let (image, record) = read(file)?;
         let comparison = compare(&image, &reference).with_context(|| file.display().to_string())?;
         measured.push((file.as_path(), comparison));
         // Only what the page needs of it is kept while the next is read.

@@ -11,15 +11,34 @@ use crate::args::DenoiseArgs;
 use crate::failure::{Verdict, usage};
 use crate::interrupt;
 use crate::progress::Progress;
+use crate::spool::Spool;
 use crate::stdout::print_line;
 use crate::threads::start_threads;
 pub use task::{Task, Wishes};
 
 /// Runs the command.
-pub fn run(args: &DenoiseArgs, matches: &ArgMatches) -> Result<Verdict> {
+pub fn run(mut args: DenoiseArgs, matches: &ArgMatches) -> Result<Verdict> {
     if args.rebuild.output.output.is_empty() {
         return Err(usage("denoise needs an output file: -o FILE"));
     }
+    let mut spool = Spool::default();
+    store_pipes(&mut args, &mut spool)?;
+    run_on_files(&args, matches)
+}
+
+/// Puts files in the place of inputs that can be read only once.
+fn store_pipes(args: &mut DenoiseArgs, spool: &mut Spool) -> Result<()> {
+    for text in &mut args.input {
+        *text = spool.text(text)?;
+    }
+    let halves = [&mut args.half_a, &mut args.half_b, &mut args.guide];
+    for path in halves.into_iter().flatten().chain(&mut args.buckets) {
+        *path = spool.path(path)?;
+    }
+    Ok(())
+}
+
+fn run_on_files(args: &DenoiseArgs, matches: &ArgMatches) -> Result<Verdict> {
     if let Some(jobs) = batch::jobs(args)? {
         if args.guide.is_some() {
             return Err(usage("--guide is one picture: denoise one stack at a time"));

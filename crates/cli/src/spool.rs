@@ -1,0 +1,108 @@
+//! Inputs that can be read only once: standard input (`-`), pipes and what a shell makes of `<(…)`.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, Result};
+use stack::file::Source;
+use tempfile::TempDir;
+
+use crate::failure::usage;
+
+/// Files that stand for such inputs, as long as it lives. Readers look at a file several times, and go back and forth in it.
+#[derive(Default)]
+pub struct Spool {
+    folder: Option<TempDir>,
+    /// What was called so, and where it is now.
+    moved: Vec<(PathBuf, PathBuf)>,
+}
+
+impl Spool {
+    /// Where what is called `path` can be read as often as one likes: there, if it is a file.
+    ///
+    /// # Errors
+    /// When it cannot be read to its end or stored.
+    pub fn path(&mut self, path: &Path) -> Result<PathBuf> {
+        if let Some((_, there)) = self.moved.iter().find(|(name, _)| name == path) {
+            return Ok(there.clone());
+        }
+        let is_standard = path == Path::new("-");
+        if !is_standard && path.metadata().map_or(true, |found| found.is_file() || found.is_dir()) {
+            return Ok(path.into());
+        }
+        let mut bytes = Vec::new();
+        let read = if is_standard {
+            std::io::stdin().lock().read_to_end(&mut bytes)
+        } else {
+            File::open(path).and_then(|mut file| file.read_to_end(&mut bytes))
+        };
+        read.map_err(|error| usage(format!("{}: cannot be read: {error}", path.display())))?;
+        let there = self.place(&bytes)?;
+        std::fs::write(&there, bytes).with_context(|| format!("{}: cannot be stored", path.display()))?;
+        self.moved.push((path.into(), there.clone()));
+        Ok(there)
+    }
+
+    /// The same for `FILE` or `ROLE=FILE`.
+    ///
+    /// # Errors
+    /// As [`Self::path`].
+    pub fn text(&mut self, text: &str) -> Result<String> {
+        let file = Source::parse(text).path;
+        let there = self.path(&file)?;
+        if there == file {
+            return Ok(text.into());
+        }
+        let role = text.strip_suffix(&*file.to_string_lossy()).unwrap_or_default();
+        Ok(format!("{role}{}", there.display()))
+    }
+
+    /// A name for what begins so: its end says what is in it, for there is no other.
+    fn place(&mut self, bytes: &[u8]) -> Result<PathBuf> {
+        let folder = match self.folder.take() {
+            Some(folder) => folder,
+            None => tempfile::Builder::new().prefix("tamis-").tempdir().context("no folder for temporary files")?,
+        };
+        let ending = match bytes {
+            [b'P', b'F' | b'f', ..] => "pfm",
+            [b'P', b'H' | b'h', ..] => "phm",
+            [0x89, b'P', b'N', b'G', ..] => "png",
+            [b'#', b'?', ..] => "hdr",
+            _ => "exr",
+        };
+        let place = folder.path().join(format!("input{}.{ending}", self.moved.len()));
+        self.folder = Some(folder);
+        Ok(place)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_stay_where_they_are() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("a.exr");
+        std::fs::write(&file, "").unwrap();
+        let mut spool = Spool::default();
+        for path in [&file, folder.path(), Path::new("gone.exr")] {
+            assert_eq!(spool.path(path).unwrap(), path);
+        }
+        let text = format!("albedo={}", file.display());
+        assert_eq!(spool.text(&text).unwrap(), text);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_file_is_read_once_and_keeps_its_role() {
+        let mut spool = Spool::default();
+        let moved = spool.text("albedo=/dev/null").unwrap();
+        let file = moved.strip_prefix("albedo=").unwrap();
+        assert!(file.ends_with(".exr") && Path::new(file).is_file(), "{moved}");
+        assert_eq!(spool.path(Path::new("/dev/null")).unwrap(), Path::new(file));
+        drop(spool);
+        assert!(!Path::new(file).exists());
+    }
+}
