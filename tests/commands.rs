@@ -475,6 +475,9 @@ fn bench_measures_every_step_and_sets_an_earlier_run_beside() {
         let run = workplace.tamis(&format!("{bench} --against {file} --max-loss 0.5"));
         assert_eq!(run.code(), Some(code), "{file}: {}", run.stderr());
     }
+    workplace.write("printed.json", &printed);
+    let run = workplace.tamis("bench box.obj --size 16x10 --spp 2 --rounds 1 --against printed.json");
+    assert!(run.code() == Some(2) && run.stderr().contains("size was [16,12] then"), "{}", run.stderr());
     for wrong in
         ["--against box.obj", "--against gone.json", "--against slow.json --max-loss 1", "--max-loss 0.1", "--rounds 0"]
     {

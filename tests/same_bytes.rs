@@ -113,8 +113,10 @@ fn a_file_says_which_settings_it_was_made_with() {
     workplace.must("denoise a.exr -o b.exr --window-radius 4 --quiet");
     workplace.must("denoise b.exr -o c.exr --preset paper --quiet");
     let said = ["b.exr", "c.exr"].map(|file| workplace.must(&format!("info {file}")).stdout());
-    assert!(said[0].contains("\"threshold\":3.0") && said[0].contains("\"radius\":4"), "{}", said[0]);
-    assert!(said[1].contains("\"threshold\":2.5") && said[1].contains("\"radius\":11"), "{}", said[1]);
+    let (threshold, radius) = ("spikes.threshold: 3.0, by default 2.5", "window.radius: 4, by default 11");
+    assert!(said[0].contains(threshold) && said[0].contains(radius), "{}", said[0]);
+    assert!(said[1].contains("method.fit: local, by default") && !said[1].contains("threshold"), "{}", said[1]);
+    assert!(said.iter().all(|said| said.contains("per pixel 4\n") && !said.contains('{')), "{said:?}");
     let mut layers = Layers::read(&workplace.path("a.exr")).unwrap();
     layers.metadata.as_mut().unwrap()["settings"]["reconstruction"]["spikes"]["threshold"] = (-1.0).into();
     layers.write(&workplace.path("d.exr")).unwrap();

@@ -10,6 +10,7 @@ use tracer::material::Surface;
 use tracer::scene::{Loaded, load};
 
 use crate::args::InfoArgs;
+use crate::compare::changed_settings;
 use crate::failure::{Verdict, usage};
 use crate::spool::Spool;
 use crate::stdout::print_line;
@@ -140,7 +141,8 @@ fn scene_lines(report: &Value) -> Vec<String> {
 
 fn stack_lines(report: &Value) -> Vec<String> {
     let size = &report["size"];
-    let mut lines = vec![format!("  {}x{} pixels, samples per pixel {}", size[0], size[1], report["spp"])];
+    let mut lines =
+        vec![format!("  {}x{} pixels, samples per pixel {}", size[0], size[1], spp_in_words(&report["spp"]))];
     for (part, name) in [("components", "component"), ("features", "feature")] {
         let layers = list(report, part);
         lines.extend(layers.iter().map(|l| format!("  {name} {}: noise {}", text(&l["layer"]), text(&l["noise"]))));
@@ -148,8 +150,31 @@ fn stack_lines(report: &Value) -> Vec<String> {
     lines.extend(list(report, "passthrough").iter().map(|name| format!("  carried along: {}", text(name))));
     let range = |held: &Value| format!("  samples {}..{} of seed {}", held["first"], held["end"], held["seed"]);
     lines.extend(list(report, "held").iter().map(range));
-    lines.push(format!("  settings {}", report["settings"]));
+    lines.extend(settings_lines(&report["settings"]));
     lines
+}
+
+fn spp_in_words(spp: &Value) -> String {
+    match (spp["mean"].as_f64(), spp["min"].as_u64(), spp["max"].as_u64()) {
+        (Some(mean), Some(min), Some(max)) if min < max => format!("{mean:.1} in the mean, {min} to {max}"),
+        (Some(_), Some(all), _) => all.to_string(),
+        _ => "unknown".into(),
+    }
+}
+
+/// Recorded settings, as far as they are not the defaults. With `--json` there are all.
+fn settings_lines(settings: &Value) -> Vec<String> {
+    if settings.is_null() {
+        return Vec::new();
+    }
+    let changed = changed_settings(settings);
+    if changed.is_empty() {
+        return vec!["  settings: the defaults".into()];
+    }
+    let line = |[key, value, usual]: &[Value; 3]| {
+        format!("  setting {}: {}, by default {}", text(key), text(value), text(usual))
+    };
+    changed.iter().map(line).collect()
 }
 
 fn list(report: &Value, key: &str) -> Vec<Value> {

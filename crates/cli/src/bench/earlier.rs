@@ -9,8 +9,15 @@ use serde_json::Value;
 use super::measures::Measures;
 use crate::failure::usage;
 
-/// Rates by step.
-pub struct Earlier(BTreeMap<String, f64>);
+/// Rates by step, and of what.
+pub struct Earlier {
+    rates: BTreeMap<String, f64>,
+    /// What it says of the work beside its rates.
+    told: Value,
+}
+
+/// What says what the work was: rates of one work say nothing of another.
+const WORK: [&str; 3] = ["scene", "size", "spp"];
 
 impl Earlier {
     /// Reads what `tamis bench --json` printed into `file`.
@@ -31,12 +38,24 @@ impl Earlier {
     fn parse(text: &str) -> Option<Self> {
         let value: Value = serde_json::from_str(text).ok()?;
         let rate = |(name, measure): (&String, &Value)| Some((name.clone(), measure.get("rate")?.as_f64()?));
-        value.get("measures")?.as_object()?.iter().map(rate).collect::<Option<_>>().map(Self)
+        let rates = value.get("measures")?.as_object()?.iter().map(rate).collect::<Option<_>>()?;
+        Some(Self { rates, told: value })
+    }
+
+    /// Demands that it measured the work that `now` is, as far as it says.
+    ///
+    /// # Errors
+    /// The first difference.
+    pub fn check_work(&self, now: &Value) -> Result<()> {
+        let differs = |key: &&str| self.told.get(key).is_some_and(|then| *then != now[key]);
+        let Some(key) = WORK.into_iter().find(differs) else { return Ok(()) };
+        let (then, now) = (&self.told[key], &now[key]);
+        Err(usage(format!("--against: {key} was {then} then and is {now} now; measure the same work again")))
     }
 
     /// Rates now over rates then, of the steps that both have.
     pub fn ratios(&self, now: &Measures) -> BTreeMap<String, f64> {
-        let ratio = |(name, rate): (&str, f64)| Some((name.to_string(), rate / self.0.get(name)?));
+        let ratio = |(name, rate): (&str, f64)| Some((name.to_string(), rate / self.rates.get(name)?));
         now.rates().filter_map(ratio).collect()
     }
 }

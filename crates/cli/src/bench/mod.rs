@@ -28,6 +28,8 @@ pub fn run(args: &BenchArgs) -> Result<Verdict> {
     start_threads(&args.report)?;
     let progress = Progress::new(&args.report);
     let earlier = args.against.as_deref().map(Earlier::read).transpose()?;
+    let mut report = json!({"scene": args.scene, "size": [args.size.0.width, args.size.0.height], "spp": args.spp});
+    earlier.iter().try_for_each(|earlier| earlier.check_work(&report))?;
     let steps = Steps::new(args, &progress)?;
     let mut measures = Measures::default();
     for round in 1..=args.rounds {
@@ -37,15 +39,11 @@ pub fn run(args: &BenchArgs) -> Result<Verdict> {
     progress.finish();
     let ratios = earlier.map(|earlier| earlier.ratios(&measures));
     if args.report.json {
-        print_line(json!({
-            "scene": args.scene,
-            "size": [args.size.0.width, args.size.0.height],
-            "spp": args.spp,
-            "threads": rayon::current_num_threads(),
-            "rounds": args.rounds,
-            "measures": measures.to_json(),
-            "against": ratios,
-        }))?;
+        report["threads"] = rayon::current_num_threads().into();
+        report["rounds"] = args.rounds.into();
+        report["measures"] = measures.to_json();
+        report["against"] = json!(ratios);
+        print_line(report)?;
     } else {
         print_line(measures.table(ratios.as_ref()))?;
     }

@@ -20,6 +20,7 @@ use crate::spool::Spool;
 use crate::stdout::print_line;
 use page::{Page, Shown, check_page};
 use reduced::Scale;
+pub use settings_found::changed_settings;
 use table::MeasureTable;
 
 /// Runs the command.

@@ -26,6 +26,11 @@ pub fn settings_found(record: &Record) -> Value {
     })
 }
 
+/// What recorded `settings` change of the defaults: key, value, default.
+pub fn changed_settings(settings: &Value) -> Vec<[Value; 3]> {
+    changes(&flat(settings), &flat(&Settings::default().to_json()))
+}
+
 /// Every setting by the path to it.
 fn flat(settings: &Value) -> Map<String, Value> {
     fn collect(path: &str, value: &Value, found: &mut Map<String, Value>) {
