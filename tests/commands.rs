@@ -62,6 +62,10 @@ fn what_a_render_left_out_is_counted() {
     let run = workplace.tamis("render odd.toml --camera middle -o a.exr");
     assert_eq!(run.code(), Some(2));
     assert!(run.errors()[0].contains("no camera 'middle'; it has: near, far"), "{}", run.stderr());
+    let run = workplace.tamis("render odd.obj --camera middle -o a.exr");
+    assert!(run.errors()[0].contains("'middle', and none that has a name"), "{}", run.stderr());
+    let text = workplace.must("info odd.obj").stdout();
+    assert!(text.contains("1 triangle, 3 dropped") && text.contains("1 material, "), "{text}");
 }
 
 #[test]

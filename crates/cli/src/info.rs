@@ -12,6 +12,7 @@ use tracer::scene::{Loaded, load};
 use crate::args::InfoArgs;
 use crate::compare::changed_settings;
 use crate::failure::{Verdict, usage};
+use crate::report::counted;
 use crate::spool::Spool;
 use crate::stdout::print_line;
 
@@ -130,10 +131,16 @@ fn as_text(file: &str, report: &Value) -> String {
 
 fn scene_lines(report: &Value) -> Vec<String> {
     let (materials, cameras) = (list(report, "materials"), list(report, "cameras"));
+    let number = |key: &str, thing: &str| counted(report[key].as_u64().unwrap_or_default() as usize, thing);
     let mut lines = vec![
-        format!("  {} triangles, {} dropped, {} emit", report["triangles"], report["dropped"], report["emitters"]),
+        format!("  {}, {} dropped, {} emit", number("triangles", "triangle"), report["dropped"], report["emitters"]),
         format!("  bounds {} to {}", report["bounds"][0], report["bounds"][1]),
-        format!("  {} materials, sky {}, {} cameras", materials.len(), report["sky"], cameras.len()),
+        format!(
+            "  {}, sky {}, {}",
+            counted(materials.len(), "material"),
+            report["sky"],
+            counted(cameras.len(), "camera")
+        ),
     ];
     lines.extend(materials.iter().map(|m| format!("    {}: {}", text(&m["name"]), text(&m["surface"]))));
     lines

@@ -2,9 +2,9 @@
 
 use std::io::IsTerminal;
 use std::sync::Mutex;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use stack::Monitor;
 
 use crate::args::ReportArgs;
@@ -33,8 +33,12 @@ impl Progress {
         let draw = !report.quiet && std::io::stderr().is_terminal();
         let target = if draw { ProgressDrawTarget::stderr_with_hz(10) } else { ProgressDrawTarget::hidden() };
         let bar = ProgressBar::with_draw_target(Some(0), target);
-        let template = "{msg:>12} {wide_bar} {percent:>3} %  {eta} left";
-        bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));
+        let template = "{msg:>12} {wide_bar} {percent:>3} %  {left:>16}";
+        let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
+        let left = |state: &ProgressState, out: &mut dyn std::fmt::Write| {
+            let _ = out.write_str(&time_left(state.pos(), state.eta()));
+        };
+        bar.set_style(style.with_key("left", left));
         Self { bar, quiet: report.quiet, verbose: report.verbose, stages: Mutex::default() }
     }
 
@@ -90,6 +94,11 @@ impl Progress {
     }
 }
 
+/// How long the stage still takes: nothing is known of that before a part of it is `done`.
+fn time_left(done: u64, left: Duration) -> String {
+    if done == 0 { String::new() } else { format!("{} left", HumanDuration(left)) }
+}
+
 impl Stages {
     /// Books a stage's time, shared among its steps when it has told of any.
     fn divide(&mut self, name: &'static str, spent: f64) {
@@ -134,5 +143,16 @@ impl Monitor for Progress {
 
     fn cancelled(&self) -> bool {
         interrupt::requested()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stage_that_has_just_begun_does_not_say_that_it_ends() {
+        assert_eq!(time_left(0, Duration::ZERO), "");
+        assert_eq!(time_left(1, Duration::from_secs(5)), "5 seconds left");
     }
 }

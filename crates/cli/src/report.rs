@@ -12,6 +12,17 @@ pub fn lacks(written: &Written<'_>) -> Vec<String> {
     written.reconstruction.iter().flat_map(|found| &found.lacks).map(ToString::to_string).collect()
 }
 
+/// How long it took in all, and the stages that took long enough to be named.
+pub fn done_in(seconds: f64, progress: &Progress) -> String {
+    let stages = progress.stage_seconds().into_iter().filter(|(_, s)| *s >= SHORTEST);
+    let stages: Vec<String> = stages.map(|(name, s)| format!("{name} {s:.1} s")).collect();
+    let stages = if stages.is_empty() { String::new() } else { format!(" ({})", stages.join(", ")) };
+    format!("done in {seconds:.1} s{stages}")
+}
+
+/// Seconds that are not written as 0.0.
+const SHORTEST: f64 = 0.05;
+
 /// Seconds per stage of the reconstruction.
 pub fn stages(progress: &Progress) -> Value {
     let stages = progress.stage_seconds().into_iter().filter(|(name, _)| *name != "trace");
@@ -26,6 +37,11 @@ pub fn estimated_rmse(written: &Written<'_>) -> Option<f64> {
 /// Mean radiance of the noisy picture and of the result.
 pub fn energy(noisy: f64, result: &Image) -> Value {
     json!({"noisy": noisy, "result": mean_radiance(result)})
+}
+
+/// A number of things, of which one is called `thing`.
+pub fn counted(number: usize, thing: &str) -> String {
+    if number == 1 { format!("1 {thing}") } else { format!("{number} {thing}s") }
 }
 
 /// Mean of all values.

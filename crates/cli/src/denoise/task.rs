@@ -16,7 +16,7 @@ use crate::guide::{Followed, Guide};
 use crate::memory::{self, Afterwards, Need, Plan};
 use crate::output::{Outputs, Written};
 use crate::progress::Progress;
-use crate::report::{self, mean_radiance};
+use crate::report::{self, done_in, mean_radiance};
 use crate::settings::{Preset, Settings};
 
 /// What reads a stack anew.
@@ -249,8 +249,7 @@ fn say_what_was_done(progress: &Progress, reconstruction: &Reconstruction, secon
     if reconstruction.spikes.is_some() {
         progress.say(&format!("{} pixels marked as spikes", reconstruction.marked));
     }
-    let stages: Vec<String> = progress.stage_seconds().iter().map(|(name, s)| format!("{name} {s:.1} s")).collect();
-    progress.say(&format!("done in {seconds:.1} s ({})", stages.join(", ")));
+    progress.say(&done_in(seconds, progress));
 }
 
 /// Seconds of the steps that are no stage of the reconstruction.

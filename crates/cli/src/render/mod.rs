@@ -29,7 +29,7 @@ use crate::guide::Guide;
 use crate::interrupt;
 use crate::output::{Outputs, Written};
 use crate::progress::Progress;
-use crate::report::estimated_rmse;
+use crate::report::{done_in, estimated_rmse};
 use crate::stdout::print_line;
 use crate::threads::start_threads;
 
@@ -225,8 +225,7 @@ fn say_what_was_done(progress: &Progress, finished: &Finished, written: &Written
     if finished.not_finite > 0 {
         progress.say(&format!("{} samples were not finite and count as zero", finished.not_finite));
     }
-    let stages: Vec<String> = progress.stage_seconds().iter().map(|(name, s)| format!("{name} {s:.1} s")).collect();
-    progress.say(&format!("done in {seconds:.1} s ({})", stages.join(", ")));
+    progress.say(&done_in(seconds, progress));
 }
 
 impl Finished {

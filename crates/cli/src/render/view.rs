@@ -14,6 +14,7 @@ use crate::args::RenderArgs;
 use crate::failure::usage;
 use crate::options::{Sky, Triple};
 use crate::progress::Progress;
+use crate::report::counted;
 
 /// A scene ready to be rendered.
 pub struct View {
@@ -68,7 +69,8 @@ fn read(file: &Path, progress: &Progress) -> Result<Loaded> {
     for note in &loaded.notes {
         progress.say(note);
     }
-    progress.whisper(&format!("{} triangles, {} emit", loaded.triangles, loaded.scene.emitters.len()));
+    let (triangles, emitters) = (counted(loaded.triangles, "triangle"), loaded.scene.emitters.len());
+    progress.whisper(&format!("{triangles}, of which {emitters} emit"));
     Ok(loaded)
 }
 
@@ -136,6 +138,9 @@ fn named_camera(loaded: &Loaded, args: &RenderArgs) -> Result<Option<CameraDescr
     let names = || loaded.cameras.iter().filter_map(|(name, _)| name.clone()).collect::<Vec<_>>().join(", ");
     match found {
         Some((_, camera)) => Ok(Some(*camera)),
+        None if loaded.cameras.iter().all(|(name, _)| name.is_none()) => {
+            Err(usage(format!("--camera: the scene has no camera '{wanted}', and none that has a name")))
+        }
         None => Err(usage(format!("--camera: the scene has no camera '{wanted}'; it has: {}", names()))),
     }
 }
