@@ -32,6 +32,9 @@ fn scenes_that_are_none() {
     workplace.write("none.toml", "[render]\nspp = 0\n[[geometry]]\nfile = \"box.obj\"\n");
     std::fs::create_dir(workplace.path("folder.obj")).unwrap();
     refused(&workplace, "render absent.obj -o a.exr", &["absent.obj"]);
+    for line in ["render absent.obj -o a.exr", "info absent.obj", "render box.obj --env absent.hdr -o a.exr"] {
+        assert!(workplace.tamis(line).stderr().trim_end().ends_with(": no such file"), "{line}");
+    }
     refused(&workplace, "render folder.obj -o a.exr", &["folder.obj", "folder"]);
     refused(&workplace, "render empty.obj -o a.exr", &["empty.obj"]);
     refused(&workplace, "render points.obj -o a.exr", &["points.obj", "face"]);

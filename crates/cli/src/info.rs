@@ -7,11 +7,12 @@ use serde_json::{Value, json};
 use stack::file::{Inputs, ReadStack, Source, extension, is_one_stack, read_inputs};
 use stack::{Estimate, GATHERED, INDIRECT, Noise};
 use tracer::material::Surface;
-use tracer::scene::{Loaded, load};
+use tracer::scene::Loaded;
 
 use crate::args::InfoArgs;
 use crate::compare::changed_settings;
 use crate::failure::{Verdict, usage};
+use crate::render::load_named;
 use crate::report::counted;
 use crate::spool::Spool;
 use crate::stdout::print_line;
@@ -59,7 +60,7 @@ fn describe(files: &[String], name: &str, args: &InfoArgs) -> Result<Value> {
         [only] if !is_picture(&only.path) && !is_scene(&only.path) => {
             Err(usage(format!("{name}: expected a scene (.obj, .gltf, .glb, .toml) or a stack (.exr, .pfm, .phm)")))
         }
-        [only] if !is_picture(&only.path) => Ok(describe_scene(&only.path, &load(&only.path)?)),
+        [only] if !is_picture(&only.path) => Ok(describe_scene(&only.path, &load_named(&only.path)?)),
         _ => Ok(describe_stack(name, &read_inputs(&Inputs::Files(sources), &args.reading.options())?)),
     }
 }

@@ -9,12 +9,11 @@ use anyhow::Result;
 use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches};
 use serde_json::{Value, json};
-use tracer::scene::load;
 
 use crate::args::{PlanArgs, RenderArgs, command};
 use crate::failure::{Verdict, usage};
 use crate::output::check_format;
-use crate::render::Plan;
+use crate::render::{Plan, load_named};
 use crate::stdout::print_line;
 use shell::{line, text};
 
@@ -111,7 +110,7 @@ fn samples_per_pixel(args: &RenderArgs, matches: &ArgMatches) -> Result<u32> {
     }
     // Scenes may be large: they are read only where they have a say.
     let scene = match args.spp {
-        None => load(&args.scene)?.render,
+        None => load_named(&args.scene)?.render,
         Some(_) if args.scene.is_file() => None,
         Some(_) => return Err(usage(format!("{}: no such file", args.scene.display()))),
     };

@@ -42,7 +42,7 @@ pub use record::{record_of, view_of};
 use resume::Begun;
 use tev::Preview;
 use view::open;
-pub use view::{View, open_scene};
+pub use view::{View, load_named, open_scene};
 
 /// Runs the command.
 pub fn run(args: &RenderArgs, matches: &ArgMatches) -> Result<Verdict> {

@@ -64,8 +64,22 @@ pub fn open_scene(file: &Path, progress: &Progress) -> Result<View> {
     open(&RenderArgs { scene: file.into(), ..RenderArgs::default() }, progress)
 }
 
+/// Loads a scene that the command line names.
+///
+/// # Errors
+/// When it is not there or cannot be loaded.
+pub fn load_named(file: &Path) -> Result<Loaded> {
+    check_named(file)?;
+    Ok(load(file)?)
+}
+
+/// Refuses what is not there. The tracer's own answer speaks of the file that names it, and here there is none.
+fn check_named(file: &Path) -> Result<()> {
+    if file.exists() { Ok(()) } else { Err(usage(format!("{}: no such file", file.display()))) }
+}
+
 fn read(file: &Path, progress: &Progress) -> Result<Loaded> {
-    let loaded = load(file)?;
+    let loaded = load_named(file)?;
     for note in &loaded.notes {
         progress.say(note);
     }
@@ -102,6 +116,7 @@ fn given_sky(sky: &Sky, progress: &Progress) -> Result<Environment> {
     match sky {
         Sky::Constant(radiance) => Ok(Environment::constant(Vec3::from(*radiance))),
         Sky::Map(file) => {
+            check_named(file)?;
             let (environment, note) = read_environment(file)?;
             note.iter().for_each(|note| progress.say(note));
             Ok(environment)
