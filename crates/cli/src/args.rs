@@ -11,6 +11,9 @@ use crate::memory::Bytes;
 use crate::options::{Crop, PictureSize, Shutter, Sky, Triple, above_zero, finite, not_negative};
 use crate::settings::{Preset, Settings};
 
+/// What `--aov` is when it is not given.
+pub const DEFAULT_AOV: &str = "inputs,mse";
+
 /// Renders a scene on the CPU, or denoises another renderer's feature stack.
 #[derive(Debug, Parser)]
 #[command(name = "tamis", version, arg_required_else_help = true, propagate_version = true)]
@@ -89,7 +92,7 @@ pub struct OutputArgs {
     pub output: Vec<PathBuf>,
     /// Layers of the .exr beside the picture: `inputs` (what `denoise` needs to start again), `all`, `none`, or a
     /// comma-separated list of inputs, mse, samples, spikes, bandwidth, rank.
-    #[arg(long, value_name = "LIST", default_value = crate::output::DEFAULT_AOV)]
+    #[arg(long, value_name = "LIST", default_value = DEFAULT_AOV)]
     pub aov: String,
     /// Exposure of the .png in stops [default: chosen from the picture].
     #[arg(long, value_name = "EV", value_parser = finite::<f32>)]

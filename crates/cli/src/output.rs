@@ -11,13 +11,10 @@ use stack::file::{
 };
 use stack::{FeatureStack, Image};
 
-use crate::args::OutputArgs;
+use crate::args::{DEFAULT_AOV, OutputArgs};
 use crate::exposure;
 use crate::failure::usage;
 use crate::progress::Progress;
-
-/// What `--aov` is when it is not given.
-pub const DEFAULT_AOV: &str = "inputs,mse";
 
 /// What may stand in `--aov`.
 const LAYERS: [&str; 6] = ["inputs", "mse", "samples", "spikes", "bandwidth", "rank"];

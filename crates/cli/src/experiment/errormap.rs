@@ -10,7 +10,7 @@ use super::calibration::{Calibration, Judged, calibrate};
 use super::case::Case;
 use super::geometric_mean::geometric_mean;
 use super::reference::references;
-use super::scenes::Stage;
+use super::stage::Stage;
 use crate::args::ExperimentArgs;
 use crate::progress::Progress;
 use crate::table::{Table, maybe, short};

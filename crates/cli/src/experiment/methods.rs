@@ -13,7 +13,7 @@ use super::case::{Case, Entry, settings};
 use super::geometric_mean::geometric_mean;
 use super::oidn::{self, NAMES};
 use super::reference::references;
-use super::scenes::Stage;
+use super::stage::Stage;
 use crate::args::ExperimentArgs;
 use crate::exposure;
 use crate::output::write_with_png;

@@ -16,6 +16,7 @@ mod oidn;
 mod reference;
 mod scenes;
 mod sequences;
+mod stage;
 mod stages;
 
 use anyhow::{Context, Result};

@@ -9,7 +9,7 @@ use stack::merge::first_difference;
 use stack::{FeatureStack, Image};
 
 use crate::args::ExperimentArgs;
-use crate::experiment::scenes::Stage;
+use crate::experiment::stage::Stage;
 use crate::progress::Progress;
 use crate::render::{Budget, record_of, view_of};
 use crate::settings::Settings;

@@ -6,7 +6,8 @@
 use anyhow::Result;
 
 use super::reference::reference;
-use super::scenes::{Stage, judge};
+use super::scenes::judge;
+use super::stage::Stage;
 use crate::args::ExperimentArgs;
 use crate::progress::Progress;
 use crate::render::Budget;

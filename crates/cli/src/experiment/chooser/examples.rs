@@ -9,7 +9,7 @@ use super::room::write_room;
 use crate::args::ExperimentArgs;
 use crate::experiment::learning::variation::write_variation;
 use crate::experiment::reference::reference_stacks;
-use crate::experiment::scenes::{OWN_SCENES, Stage};
+use crate::experiment::stage::{OWN_SCENES, Stage};
 use crate::progress::Progress;
 
 /// Variations of each of our scenes.

@@ -9,7 +9,7 @@ use super::subject::Subject;
 use crate::args::ExperimentArgs;
 use crate::experiment::case::{Entry, settings};
 use crate::experiment::methods::METHODS;
-use crate::experiment::scenes::Stage;
+use crate::experiment::stage::Stage;
 use crate::output::write_png;
 use crate::progress::Progress;
 use crate::render::{Budget, Finished};

@@ -8,7 +8,7 @@ use stack::FeatureStack;
 use crate::args::ExperimentArgs;
 use crate::experiment::case::Case;
 use crate::experiment::reference::reference_stacks;
-use crate::experiment::scenes::{OWN_SCENES, Stage};
+use crate::experiment::stage::{OWN_SCENES, Stage};
 use crate::exposure;
 use crate::output::write_png;
 use crate::progress::Progress;

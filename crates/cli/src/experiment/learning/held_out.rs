@@ -7,7 +7,7 @@ use anyhow::Result;
 use crate::args::ExperimentArgs;
 use crate::experiment::case::Case;
 use crate::experiment::reference::references;
-use crate::experiment::scenes::{OWN_SCENES, Stage};
+use crate::experiment::stage::{OWN_SCENES, Stage};
 use crate::progress::Progress;
 
 /// Every folder of buckets, and every scene at every number of samples; without inputs our scenes as they are, of which

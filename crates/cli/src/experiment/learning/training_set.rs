@@ -9,7 +9,7 @@ use stack::{ComponentRole, FeatureStack, Image};
 use super::variation::write_variation;
 use crate::args::ExperimentArgs;
 use crate::experiment::reference::reference_stack;
-use crate::experiment::scenes::{OWN_SCENES, Stage};
+use crate::experiment::stage::{OWN_SCENES, Stage};
 use crate::progress::Progress;
 
 /// Variations of each scene.
