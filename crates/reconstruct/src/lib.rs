@@ -2,40 +2,40 @@
 //!
 //! Every stage is a plain function from inputs, settings and a monitor to results. [`reconstruct`] puts those of the
 //! chosen method in a row for each component of a stack: the paper's ([`spikes`], [`prefilter`], [`regression`]),
-//! [`best`], or one of the [`rivals`]. What several of them use stands beside them ([`patch_distance`], [`nl_means`],
-//! [`block_matching`], [`collaborative`]).
+//! [`best`], or one of the [`rivals`]. What several of them use stands beside them (`patch_distance`, `nl_means`,
+//! `block_matching`, `collaborative`).
 
 pub mod adaptive;
 mod bands;
 pub mod best;
-pub mod block_matching;
+mod block_matching;
 pub mod box_filter;
 mod by_component;
-pub mod collaborative;
+mod collaborative;
 pub mod completion;
 mod components;
 mod eight;
 mod emission;
-pub mod exp;
+mod exp;
 mod exposure;
 pub mod guide;
 mod indirect;
 mod lack;
-pub mod ln;
+mod ln;
 mod lone_light;
 mod marks;
 mod method;
 pub mod metrics;
 pub mod network;
-pub mod nl_means;
+mod nl_means;
 mod paper;
-pub mod patch_distance;
+mod patch_distance;
 mod per_pixel;
 mod pipeline;
 pub mod prefilter;
 mod reconstruction;
 pub mod recorruption;
-pub mod rectangle;
+mod rectangle;
 pub mod regression;
 pub mod rivals;
 mod settings;

@@ -32,12 +32,6 @@ impl Rectangle {
         self.y1.saturating_sub(self.y0)
     }
 
-    /// Whether it holds the pixel in column `x`, row `y`.
-    #[inline(always)]
-    pub fn contains(self, x: usize, y: usize) -> bool {
-        (self.x0..self.x1).contains(&x) && (self.y0..self.y1).contains(&y)
-    }
-
     /// The pixels at most `by` away from this one in each direction, inside an image of `size`.
     pub fn grown(self, by: usize, size: Size) -> Self {
         Self {

@@ -121,7 +121,7 @@ fn balance([first, second]: &mut [Image; 2], counts: &GroupCounts) {
 
 /// Halves `[x, y]` of `[a, b]` samples made ones of equal variance whose mean is that of all samples. With
 /// m = (a x + b y)/n and d = x − y, whose noise is uncorrelated, m ± d √(a b)/n have variance 2σ²/n each and are
-/// uncorrelated, too.
+/// uncorrelated, too. A half that is longer than [`MOST_UNEVEN`] allows counts as if it were not.
 fn balanced([x, y]: [f32; 2], [a, b]: [f32; 2]) -> [f32; 2] {
     // A half without samples repeats the other.
     if a == b || a * b == 0.0 {

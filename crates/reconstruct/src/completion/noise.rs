@@ -71,7 +71,7 @@ fn is_explained(stack: &FeatureStack) -> bool {
     stack.features.iter().any(|feature| feature.role != FeatureRole::Position) || has_depth(stack)
 }
 
-/// The features on natural scales, not filtered: their noise is unknown, too.
+/// The features, each of which fills a range of 1, not filtered: their noise is unknown, too.
 fn feature_planes(stack: &FeatureStack) -> Result<Vec<Vec<f32>>, PrefilterError> {
     let halved = |feature| {
         let mut planes = normalised(feature, &stack.samples, VarianceSource::Buckets).planes;

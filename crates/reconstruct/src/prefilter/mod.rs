@@ -22,7 +22,7 @@ use propagation::{Shape, propagation_filter, tile_count};
 pub struct FeatureSet {
     /// Width and height of every plane.
     pub size: Size,
-    /// One plane per feature channel, row-major, normalised to [−1, 1].
+    /// One plane per feature channel, row-major: within [−1, 1] as [`prefilter`] makes them, on natural scales in `best`.
     pub planes: Vec<Vec<f32>>,
     /// Which planes belong together (position, albedo, normal, …).
     pub groups: Vec<Range<usize>>,

@@ -9,6 +9,13 @@ fn pixels(size: Size) -> impl Iterator<Item = (usize, usize)> {
     (0..size.pixels()).map(move |i| (i % size.width, i / size.width))
 }
 
+impl Rectangle {
+    /// Whether it holds the pixel in column `x`, row `y`.
+    fn contains(self, x: usize, y: usize) -> bool {
+        (self.x0..self.x1).contains(&x) && (self.y0..self.y1).contains(&y)
+    }
+}
+
 #[test]
 fn tiles_cover_every_pixel_once() {
     for (size, side) in [(Size::new(1, 1), 16), (Size::new(7, 3), 1), (Size::new(9, 7), 3), (Size::new(64, 65), 64)] {
