@@ -28,6 +28,13 @@ pub(super) struct MtlLibrary {
     fault: Option<SceneError>,
 }
 
+/// The names in a list with blanks between them. A blank behind a backslash is of a name.
+fn several(names: &str) -> Vec<String> {
+    const OF_A_NAME: &str = "\u{0}";
+    let names = names.replace("\\ ", OF_A_NAME);
+    names.split_whitespace().map(|name| name.replace(OF_A_NAME, " ")).collect()
+}
+
 impl MtlLibrary {
     /// A library without materials, for files in `folder`.
     pub(super) fn new(folder: PathBuf) -> Self {
@@ -39,7 +46,7 @@ impl MtlLibrary {
     pub(super) fn add(&mut self, names: &str) -> Vec<Range<usize>> {
         let files = match find_file(&self.folder, names) {
             Some(file) => vec![file],
-            None => without_comment(names).split_whitespace().filter_map(|name| self.find(name)).collect(),
+            None => several(without_comment(names)).iter().filter_map(|name| self.find(name)).collect(),
         };
         files.iter().map(|file| self.entries_of(file)).collect()
     }
@@ -93,5 +100,13 @@ impl MtlLibrary {
         let mut textures = TextureFiles::new(&self.folder);
         let make = |(entry, used): (&MtlEntry, bool)| entry.material(used.then_some((&mut textures, notes)));
         Ok(self.entries.iter().zip(is_used).map(make).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn names_in_a_list_may_hold_blanks_behind_backslashes() {
+        assert_eq!(super::several(r"a.mtl  my\ own\ b.mtl dir\c.mtl"), ["a.mtl", "my own b.mtl", r"dir\c.mtl"]);
     }
 }

@@ -28,7 +28,7 @@ pub(super) fn parse(text: &str) -> Option<TextureUse> {
             }
             "bm" => rest = take_word(rest, |word| line.strength = word.parse().unwrap_or(1.0)),
             "imfchan" => rest = take_word(rest, |word| line.channel = channel(word)),
-            "blendu" | "blendv" | "cc" | "texres" | "boost" | "type" => rest = skip_words(rest, 1),
+            "blendu" | "blendv" | "cc" | "texres" | "boost" | "type" | "colorspace" => rest = skip_words(rest, 1),
             _ => break,
         }
     }
@@ -83,7 +83,7 @@ mod tests {
     fn options_are_taken_off_the_file_name() {
         let plain = TextureUse::plain("a b.png".into());
         assert_eq!(parse(" a b.png "), Some(plain.clone()));
-        assert_eq!(parse("-blendu on -texres 512 -mm 0.1 2 a b.png"), Some(plain.clone()));
+        assert_eq!(parse("-blendu on -colorspace sRGB -texres 512 -mm 0.1 2 a b.png"), Some(plain.clone()));
         let scaled =
             TextureUse { map: Mat2::from_diagonal(Vec2::new(2.0, 3.0)), offset: Vec2::new(0.5, 0.0), ..plain.clone() };
         assert_eq!(parse("-s 2 3 1 -o .5 -clamp off a b.png"), Some(scaled));
