@@ -65,3 +65,13 @@ fn what_does_not_come_in_buckets_is_left_to_others() {
     let known = Feature { role, estimate: Estimate { mean: estimate.mean, noise: Noise::Unknown } };
     assert_eq!(rebuilt(&[&known]), None);
 }
+
+#[test]
+fn halves_are_compared_by_their_own_noise() {
+    let half = |value: f32| Image::from_channels(SIZE, vec![vec![value; SIZE.pixels()]]);
+    let estimate = Estimate::from_buckets(vec![half(0.2), half(0.4)], &counts());
+    let feature = Feature { role: FeatureRole::Lit, estimate };
+    let noisy = Noisy::of(&feature, &counts(), &BestSettings::default()).unwrap();
+    // (A − B)²/4 is the variance of the mean.
+    assert!(noisy.variances[0].iter().all(|v| (v - 2.0 * 0.01).abs() < 1e-5), "{}", noisy.variances[0][0]);
+}
