@@ -62,11 +62,6 @@ pub fn to_srgb8(picture: &Image, stops: f32) -> Vec<u8> {
     (0..picture.pixels()).flat_map(|pixel| picture.rgb(pixel).map(byte)).collect()
 }
 
-/// The light that a value of an sRGB picture stands for.
-pub fn decode_srgb(encoded: f32) -> f32 {
-    if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
-}
-
 /// The sRGB transfer function (IEC 61966-2-1).
 fn encode_srgb(linear: f32) -> f32 {
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }

@@ -6,7 +6,7 @@ use anyhow::Result;
 use stack::file::{Layers, extension, read_pfm};
 use stack::{Image, Size};
 
-use crate::any_picture::{decode, image_of};
+use crate::any_picture::decode;
 use crate::failure::usage;
 
 /// Reads a picture of `size` as a mask: `false` where all its channels but alpha are 0.
@@ -17,7 +17,7 @@ pub fn read_mask(file: &Path, size: Size) -> Result<Vec<bool>> {
     let picture = match extension(file).as_str() {
         "exr" => every_channel(Layers::read(file)?),
         "pfm" => read_pfm(file)?,
-        _ => image_of(&decode(file)?.into_rgb32f()),
+        _ => decode(file)?,
     };
     if picture.size() != size {
         let message = format!("--mask {}: expected {size} pixels as in the reference", file.display());

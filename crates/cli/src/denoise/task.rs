@@ -7,7 +7,9 @@ use anyhow::Result;
 use clap::ArgMatches;
 use reconstruct::{Extras, Reconstruction, reconstruct_freeing, reconstruct_with};
 use serde_json::{Value, json};
-use stack::file::{FileError, Found, Inputs, Pass, ReadOptions, ReadStack, Role, StackHeader, read_inputs, survey};
+use stack::file::{
+    FileError, Found, Inputs, Pass, ReadOptions, ReadStack, Role, StackHeader, Survey, read_inputs, survey,
+};
 use stack::{FeatureStack, GATHERED, INDIRECT, Image, Noise};
 
 use crate::args::{DenoiseArgs, OutputArgs, RebuildArgs};
@@ -67,13 +69,7 @@ impl Task<'_> {
     pub fn run(&self, outputs: &Outputs, progress: &Progress) -> Result<Value> {
         let start = Instant::now();
         let told = survey(&self.inputs, &self.wishes.reading)?;
-        if let Some(file) = &told.without_inputs {
-            return Err(usage(format!(
-                "{}: holds a finished picture, and not the samples it was made of; render it with --aov inputs, or denoise \
-                 the file it came from",
-                file.display()
-            )));
-        }
+        refuse_finished(&told)?;
         let settings = resolve(self.rebuild.picture.preset, self.matches, told.header.as_ref(), progress)?;
         let leave_out = unneeded(&settings, outputs);
         let options = ReadOptions { leave_out, ..self.wishes.reading.clone() };
@@ -83,7 +79,8 @@ impl Task<'_> {
             Plan::new(self.rebuild.max_memory, need, settings.method, then)
         };
         // What is too large is refused before a pixel is read.
-        plan(Need::from(&survey(&self.inputs, &options)?))?;
+        let told = if options.leave_out.is_empty() { told } else { survey(&self.inputs, &options)? };
+        plan(Need::from(&told))?;
         let read_all = || read_inputs(&self.inputs, &options);
         let mut read = read_all()?;
         read.notes.iter().for_each(|note| progress.say(note));
@@ -156,6 +153,16 @@ impl Task<'_> {
         }
         Ok(reconstruction)
     }
+}
+
+/// Refuses a file of ours that holds the picture alone.
+fn refuse_finished(told: &Survey) -> Result<()> {
+    let Some(file) = &told.without_inputs else { return Ok(()) };
+    Err(usage(format!(
+        "{}: holds a finished picture, and not the samples it was made of; render it with --aov inputs, or denoise the file \
+         it came from",
+        file.display()
+    )))
 }
 
 /// Layers of light that neither the method nor an output needs.

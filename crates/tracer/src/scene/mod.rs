@@ -38,6 +38,7 @@ pub use instance::Instance;
 pub use load::{Loaded, load};
 pub use mesh::{Dropped, Mesh};
 pub use motion::Motion;
+pub use picture_file::linear_rgb;
 
 use crate::environment::Environment;
 use crate::light::{DeltaLight, LightTree};

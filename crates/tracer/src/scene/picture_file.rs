@@ -72,7 +72,7 @@ fn decode_floats(file: &Path) -> Result<DynamicImage, String> {
 
 /// Width and height of a picture, and its pixels as linear RGB. Integers are taken as sRGB; floating point values are
 /// linear already.
-pub(super) fn linear_rgb(image: &DynamicImage) -> ([usize; 2], Vec<[f32; 3]>) {
+pub fn linear_rgb(image: &DynamicImage) -> ([usize; 2], Vec<[f32; 3]>) {
     let texels = match image {
         _ if is_linear(image) => image.to_rgb32f().pixels().map(|p| p.0).collect(),
         _ if image.color().bytes_per_pixel() / image.color().channel_count() == 1 => {
