@@ -1,4 +1,4 @@
-//! How a stack is denoised within the memory there is.
+//! What denoising a stack takes of memory, and how it stays within what there is.
 
 use std::str::FromStr;
 
@@ -19,8 +19,12 @@ const PROGRAM: f64 = 6e7;
 /// Between planes that are no larger than what is kept when it is freed.
 const HOLES: f64 = 110.0;
 
-/// Beside the stack while its features are freed of noise.
+/// Beside the stack while its features are freed of noise, …
 const PREPARING: f64 = 100.0;
+/// … while it is written again with what was made of it …
+const WRITING: f64 = 120.0;
+/// … and while a guide is mixed in.
+const GUIDED: f64 = 430.0;
 /// Once the stack is freed, where the second pass is made of the whole picture at once …
 const WHOLE: f64 = 500.0;
 /// … and before it, beside what each independent part of the light takes.
@@ -32,10 +36,6 @@ const PASS: f64 = 85.0;
 const KEPT: f64 = 395.0;
 /// … and what of the rows that are made at once, which are copied.
 const AT_ONCE: f64 = 380.0;
-/// Beside the stack while a guide is mixed in: all at once …
-const GUIDED: f64 = 630.0;
-/// … and where the stack was freed and read again.
-const GUIDED_LATE: f64 = 430.0;
 /// Rows around those, about.
 const MARGIN: f64 = 96.0;
 
@@ -64,39 +64,28 @@ impl FromStr for Bytes {
 
 const EXPECTED: &str = "expected a number of bytes, as in 800M or 24G";
 
-/// What is done to stay within a limit. The picture does not depend on it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Plan {
-    /// Whether the stack is freed while it is used and, where it goes into the output, read again.
-    pub free: bool,
-    /// Rows of the second pass that are made at once.
-    pub rows: usize,
-}
-
-impl Plan {
-    /// The least work that a stack can be denoised with in `limit` bytes, or in three quarters of the machine's memory,
-    /// with what `then` needs of it.
-    ///
-    /// # Errors
-    /// When a limit was given that cannot be kept.
-    pub fn new(limit: Option<Bytes>, stack: Need, method: MethodSettings, then: Afterwards) -> Result<Self> {
-        if !method.is_collaborative() {
-            let told = "--max-memory goes with --preset best and fast: other methods hold all they have at once";
-            return if limit.is_some() { Err(usage(told)) } else { Ok(Self { free: false, rows: usize::MAX }) };
-        }
-        let most = limit.map(|limit| limit.0 as f64).or_else(|| Some(0.75 * physical_memory()? as f64));
-        stack.plan(most.unwrap_or(f64::INFINITY), then).map_or_else(
-            |least| match limit {
-                Some(Bytes(limit)) => Err(usage(format!(
-                    "--max-memory {limit}: this stack of {} takes about {} at least",
-                    stack.size,
-                    in_words(least)
-                ))),
-                None => Ok(Self { free: true, rows: 1 }),
-            },
-            Ok,
-        )
+/// The most rows of the second pass of `method` that may be made at once, so that a stack is denoised in `limit` bytes, or
+/// in three quarters of the machine's memory, with what `then` needs of it. The picture does not depend on it.
+///
+/// # Errors
+/// When a limit was given that cannot be kept.
+pub fn rows_at_once(limit: Option<Bytes>, stack: Need, method: MethodSettings, then: Afterwards) -> Result<usize> {
+    if !method.is_collaborative() {
+        let told = "--max-memory goes with --preset best and fast: other methods hold all they have at once";
+        return if limit.is_some() { Err(usage(told)) } else { Ok(usize::MAX) };
     }
+    let most = limit.map(|limit| limit.0 as f64).or_else(|| Some(0.75 * physical_memory()? as f64));
+    stack.rows(most.unwrap_or(f64::INFINITY), then).map_or_else(
+        |least| match limit {
+            Some(Bytes(limit)) => Err(usage(format!(
+                "--max-memory {limit}: this stack of {} takes about {} at least",
+                stack.size,
+                in_words(least)
+            ))),
+            None => Ok(1),
+        },
+        Ok,
+    )
 }
 
 /// What needs the stack when the picture is rebuilt.
@@ -106,13 +95,6 @@ pub struct Afterwards {
     pub output: bool,
     /// A guide is judged by it.
     pub guide: bool,
-}
-
-impl Afterwards {
-    /// Whether anything does.
-    pub fn needs_stack(self) -> bool {
-        self.output || self.guide
-    }
 }
 
 /// A number of bytes that the flag would take.
@@ -168,31 +150,30 @@ impl Need {
         Self { passes, ..self }
     }
 
-    /// The plan for `most` bytes, or the least that is needed.
-    fn plan(self, most: f64, then: Afterwards) -> Result<Plan, f64> {
+    /// The rows for `most` bytes, or the least that is needed.
+    fn rows(self, most: f64, then: Afterwards) -> Result<usize, f64> {
         let pixels = self.size.pixels() as f64;
         let holes = if pixels * 4.0 <= KEPT_BLOCK as f64 { HOLES * pixels } else { 0.0 };
         let apart = PROGRAM + holes;
         let most = most - apart;
-        // What knows nothing of its noise is taken apart in two.
         let passes = PASS * self.passes as f64;
+        // What knows nothing of its noise is taken apart in two.
         let rebuilding = REBUILDING + PART * self.buckets.clamp(2, MOST_PARTS) as f64 + passes;
+        let beside = match then {
+            Afterwards { guide: true, .. } => GUIDED,
+            Afterwards { output: true, .. } => WRITING,
+            _ => PREPARING,
+        };
+        let least = (self.stack + pixels * beside).max(self.stays + pixels * rebuilding).max(self.reading);
+        if least > most {
+            return Err(least + apart);
+        }
         let whole = (WHOLE + passes).max(rebuilding);
-        let at_once = self.stack + pixels * if then.guide { GUIDED } else { whole };
-        if then.needs_stack() && at_once.max(self.reading) <= most {
-            return Ok(Plan { free: false, rows: usize::MAX });
-        }
-        let beside = if then.guide { GUIDED_LATE } else { PREPARING };
-        let before = (self.stack + pixels * beside).max(self.stays + pixels * rebuilding).max(self.reading);
-        if before > most {
-            return Err(before + apart);
-        }
         if self.stays + pixels * whole <= most {
-            return Ok(Plan { free: true, rows: usize::MAX });
+            return Ok(usize::MAX);
         }
         let share = ((most - self.stays) / pixels - KEPT - passes) / AT_ONCE;
-        let rows = (share * self.size.height as f64 - MARGIN).max(1.0) as usize;
-        Ok(Plan { free: true, rows })
+        Ok((share * self.size.height as f64 - MARGIN).max(1.0) as usize)
     }
 }
 
@@ -230,29 +211,32 @@ mod tests {
     }
 
     #[test]
-    fn less_memory_frees_the_stack_then_cuts_bands_and_then_is_refused() {
+    fn less_memory_cuts_bands_and_then_is_refused() {
         let need =
             Need { size: Size::new(1000, 10_000), stack: 1e7 * 364.0, stays: 0.0, reading: 0.0, buckets: 2, passes: 0 };
-        let plan = |bytes_per_pixel: f64, output| need.plan(1e7 * bytes_per_pixel, Afterwards { output, guide: false });
-        assert_eq!(plan(1000.0, true), Ok(Plan { free: false, rows: usize::MAX }));
-        assert_eq!(plan(800.0, true), Ok(Plan { free: true, rows: usize::MAX }));
-        assert_eq!(plan(1000.0, false), Ok(Plan { free: true, rows: usize::MAX }));
-        let rows = plan(495.0, false).unwrap().rows;
-        assert!((1000..5000).contains(&rows), "{rows}");
-        assert!(plan(400.0, false).unwrap_err() > 1e7 * 450.0);
-        let guided = |bytes_per_pixel: f64| need.plan(1e7 * bytes_per_pixel, Afterwards { output: false, guide: true });
-        assert_eq!(guided(1010.0), Ok(Plan { free: false, rows: usize::MAX }));
-        assert!(guided(900.0).unwrap().free && guided(600.0).is_err());
+        let nothing = Afterwards { output: false, guide: false };
+        let rows = |need: Need, bytes_per_pixel: f64, then| need.rows(1e7 * bytes_per_pixel, then);
+        assert_eq!(rows(need, 520.0, nothing), Ok(usize::MAX));
+        let bands = rows(need, 495.0, nothing).unwrap();
+        assert!((1000..5000).contains(&bands), "{bands}");
+        assert!(rows(need, 400.0, nothing).unwrap_err() > 1e7 * 450.0);
+        // What is written again is not there meanwhile.
+        let output = Afterwards { output: true, guide: false };
+        assert_eq!(rows(need, 520.0, output), Ok(usize::MAX));
+        let more = Need { stack: 1e7 * 592.0, ..need };
+        assert!(rows(more, 700.0, nothing).is_ok() && rows(more, 700.0, output).is_err());
+        let guided = Afterwards { guide: true, ..output };
+        assert!(rows(need, 810.0, guided).is_ok() && rows(need, 780.0, guided).is_err());
         // Smaller planes leave holes.
         let small = Need { size: Size::new(1000, 2000), stack: 2e6 * 364.0, ..need };
-        let plan = |bytes_per_pixel: f64| small.plan(2e6 * bytes_per_pixel, Afterwards { output: true, guide: false });
-        assert!(plan(1000.0).unwrap().free && !plan(1100.0).unwrap().free);
+        assert_ne!(small.rows(2e6 * 600.0, nothing), Ok(usize::MAX));
+        assert_eq!(small.rows(2e6 * 650.0, nothing), Ok(usize::MAX));
         // So does adding slices up.
         let merged = Need { reading: 1e7 * 900.0, ..need };
-        let then = Afterwards { output: true, guide: false };
-        assert!(merged.plan(1e7 * 800.0, then).unwrap_err() > 1e7 * 900.0 && merged.plan(1e7 * 1000.0, then).is_ok());
+        assert!(rows(merged, 800.0, output).unwrap_err() > 1e7 * 900.0 && rows(merged, 1000.0, output).is_ok());
         // Passes take more.
-        let plan = |passes| need.with_passes(passes).plan(1e7 * 1000.0, Afterwards { output: true, guide: false });
-        assert!(!plan(0).unwrap().free && plan(3).unwrap().free && plan(9).is_err());
+        let passes = |passes| rows(need.with_passes(passes), 700.0, output);
+        assert_eq!(passes(0), Ok(usize::MAX));
+        assert!(passes(2).is_ok_and(|rows| rows < 10_000) && passes(9).is_err());
     }
 }

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use anyhow::Result;
 use clap::ArgMatches;
-use reconstruct::{Extras, Reconstruction, reconstruct_freeing, reconstruct_with};
+use reconstruct::{Extras, Reconstruction, reconstruct_freeing};
 use serde_json::{Value, json};
 use stack::file::{
     FileError, Found, Inputs, Pass, ReadOptions, ReadStack, Role, StackHeader, Survey, read_inputs, survey,
@@ -15,14 +15,11 @@ use stack::{FeatureStack, GATHERED, INDIRECT, Image, Noise};
 use crate::args::{DenoiseArgs, OutputArgs, RebuildArgs};
 use crate::failure::usage;
 use crate::guide::{Followed, Guide};
-use crate::memory::{self, Afterwards, Need, Plan};
+use crate::memory::{self, Afterwards, Need, rows_at_once};
 use crate::output::{Outputs, Written};
 use crate::progress::Progress;
 use crate::report::{self, done_in, mean_radiance};
 use crate::settings::{Preset, Settings};
-
-/// What reads a stack anew.
-type ReadAgain<'a> = &'a dyn Fn() -> Result<ReadStack, FileError>;
 
 /// One stack to denoise.
 pub struct Task<'a> {
@@ -74,13 +71,12 @@ impl Task<'_> {
         let leave_out = unneeded(&settings, outputs);
         let options = ReadOptions { leave_out, ..self.wishes.reading.clone() };
         let then = Afterwards { output: outputs.need_inputs(), guide: self.wishes.guide.is_some() };
-        let plan = |need: Need| {
-            let need = need.with_passes(self.wishes.also.len());
-            Plan::new(self.rebuild.max_memory, need, settings.method, then)
+        let rows = |need: Need| {
+            rows_at_once(self.rebuild.max_memory, need.with_passes(self.wishes.also.len()), settings.method, then)
         };
         // What is too large is refused before a pixel is read.
         let told = if options.leave_out.is_empty() { told } else { survey(&self.inputs, &options)? };
-        plan(Need::from(&told))?;
+        rows(Need::from(&told))?;
         let read_all = || read_inputs(&self.inputs, &options);
         let mut read = read_all()?;
         read.notes.iter().for_each(|note| progress.say(note));
@@ -90,9 +86,13 @@ impl Task<'_> {
         let header = header_of(&read, &settings);
         let noisy = mean_radiance(&read.stack.beauty());
         let passes = passes(self.wishes.also, &read.stack)?;
-        let plan = plan(Need::from(&read.stack))?;
-        let mut reconstruction =
-            self.reconstruct((&mut read, &read_all), noisy, &passes, &settings, (plan, then), progress)?;
+        let images: Vec<Image> = passes.iter().map(|pass| pass.image(&read.stack)).collect();
+        let extras = Extras { rows: rows(Need::from(&read.stack))?, passes: &images };
+        let mut reconstruction = reconstruct_freeing(&mut read.stack, &settings, extras, progress)?;
+        drop(images);
+        if settings.method.is_collaborative() && (then.output || then.guide) {
+            read.stack = read_again(read_all, &read.stack, noisy)?;
+        }
         for (pass, rebuilt) in passes.iter().zip(std::mem::take(&mut reconstruction.passes)) {
             pass.replace(&mut read.stack, rebuilt);
         }
@@ -124,35 +124,20 @@ impl Task<'_> {
         };
         Ok(outcome.json(progress))
     }
+}
 
-    /// The picture of `read`, whose mean radiance is `noisy`; output and guide find there what they need.
-    fn reconstruct(
-        &self,
-        (read, again): (&mut ReadStack, ReadAgain<'_>),
-        noisy: f64,
-        passes: &[Pass],
-        settings: &reconstruct::Settings,
-        (plan, then): (Plan, Afterwards),
-        progress: &Progress,
-    ) -> Result<Reconstruction> {
-        let images: Vec<Image> = passes.iter().map(|pass| pass.image(&read.stack)).collect();
-        let extras = Extras { rows: plan.rows, passes: &images };
-        if !plan.free {
-            return Ok(reconstruct_with(&read.stack, settings, extras, progress)?);
-        }
-        let size = read.stack.size();
-        let reconstruction = reconstruct_freeing(&mut read.stack, settings, extras, progress)?;
-        if then.needs_stack() {
-            read.stack = again()?.stack;
-            let again = mean_radiance(&read.stack.beauty());
-            if read.stack.size() != size || again.to_bits() != noisy.to_bits() {
-                return Err(usage(
-                    "the input is no longer what it was when it was denoised: leave it as it is until the end",
-                ));
-            }
-        }
-        Ok(reconstruction)
+/// The stack that `read` reads once more, for what is written of it or judged by it; `before` is as large, and its mean radiance
+/// was `noisy`. It takes more memory than all that is rebuilt, so it is freed meanwhile.
+fn read_again(
+    read: impl Fn() -> Result<ReadStack, FileError>,
+    before: &FeatureStack,
+    noisy: f64,
+) -> Result<FeatureStack> {
+    let stack = read()?.stack;
+    if stack.size() != before.size() || mean_radiance(&stack.beauty()).to_bits() != noisy.to_bits() {
+        return Err(usage("the input is no longer what it was when it was denoised: leave it as it is until the end"));
     }
+    Ok(stack)
 }
 
 /// Refuses a file of ours that holds the picture alone.
