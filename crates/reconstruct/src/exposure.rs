@@ -2,11 +2,11 @@
 //! dark. So light in other units than usual is made brighter or darker before it is rebuilt, and brought back at the end.
 
 use std::borrow::Cow;
+use std::ops::RangeInclusive;
 
 use rayon::prelude::*;
 use stack::{Component, ComponentRole, Estimate, FeatureStack, Image, Noise, Size};
 
-use crate::best::LightSettings;
 use crate::reconstruction::Reconstruction;
 
 /// Side of the blocks of pixels whose mean brightness counts: noise averages out, light and shadow do not.
@@ -18,14 +18,15 @@ const BACKGROUND: f64 = 1e-4;
 /// Largest exponent of a factor, up or down.
 const LARGEST: f64 = 60.0;
 
-/// The power of two that brings the scattered light of `components` closest to the range of brightness of these settings, in
-/// the geometric mean over blocks of pixels. Multiplying by it rounds nothing. 1 where light lies in it, or there is none.
-pub fn exposure(components: &[Component], settings: &LightSettings) -> f32 {
+/// The power of two that brings the scattered light of `components` closest to what brightness is `usual`, in the geometric
+/// mean over blocks of pixels. Multiplying by it rounds nothing. 1 where light lies in that range, or there is none. Of a
+/// range that is empty its end counts.
+pub fn exposure(components: &[Component], usual: RangeInclusive<f32>) -> f32 {
     let scattered = components.iter().find(|component| component.role == ComponentRole::Scattered);
     let Some(brightness) = scattered.and_then(|component| typical_brightness(&component.radiance.mean)) else {
         return 1.0;
     };
-    let wanted = brightness.max(settings.darkest.into()).min(settings.brightest.into());
+    let wanted = brightness.max((*usual.start()).into()).min((*usual.end()).into());
     (wanted / brightness).log2().round().clamp(-LARGEST, LARGEST).exp2() as f32
 }
 
@@ -135,8 +136,7 @@ mod tests {
 
     fn of(image: &Image) -> f32 {
         let stack = stack_of(image, 9);
-        let settings = LightSettings { darkest: 0.125, brightest: 0.5, ..LightSettings::DEFAULT };
-        exposure(&[component(vec![image.clone(); 2], &stack.samples)], &settings)
+        exposure(&[component(vec![image.clone(); 2], &stack.samples)], 0.125..=0.5)
     }
 
     #[test]
@@ -151,9 +151,10 @@ mod tests {
 
     #[test]
     fn no_light_stays_above_the_brightest() {
-        let (image, settings) =
-            (flat(SIZE, 0.125), LightSettings { darkest: 0.5, brightest: 0.125, ..LightSettings::DEFAULT });
-        assert_eq!(exposure(&[component(vec![image.clone(); 2], &stack_of(&image, 9).samples)], &settings), 1.0);
+        let image = flat(SIZE, 0.125);
+        let (darkest, brightest) = (0.5, 0.125);
+        let components = [component(vec![image.clone(); 2], &stack_of(&image, 9).samples)];
+        assert_eq!(exposure(&components, darkest..=brightest), 1.0);
     }
 
     #[test]

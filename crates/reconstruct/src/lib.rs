@@ -1,16 +1,16 @@
 //! From noisy samples to a picture that knows its own error.
 //!
-//! Every stage is a plain function from inputs, settings and a monitor to results. [`reconstruct`] puts those of the
-//! chosen method in a row for each component of a stack: the paper's ([`spikes`], [`prefilter`], [`regression`]),
-//! [`best`], or one of the [`rivals`]. What several of them use stands beside them (`patch_distance`, `nl_means`,
-//! `block_matching`, `collaborative`).
+//! Every stage is a plain function from inputs, settings and a monitor to results. [`reconstruct`] (in `pipeline`) makes up
+//! what a stack lacks ([`completion`]) and hands it to the chosen method, whose `reconstruct` puts its stages in a row for
+//! each component: `paper` ([`spikes`], [`prefilter`], [`regression`]), [`best`] (the presets `best` and `fast`), or one of
+//! the [`rivals`]. What several of them use stands beside them (`patch_distance`, `nl_means`, `block_matching`,
+//! `collaborative`).
 
 pub mod adaptive;
 mod bands;
 pub mod best;
 mod block_matching;
 pub mod box_filter;
-mod by_component;
 mod collaborative;
 pub mod completion;
 mod components;
@@ -19,7 +19,6 @@ mod emission;
 mod exp;
 mod exposure;
 pub mod guide;
-mod indirect;
 mod lack;
 mod ln;
 mod lone_light;

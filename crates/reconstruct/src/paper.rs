@@ -1,22 +1,39 @@
-//! The paper's method: spikes, prefilter, regression (its figure 2).
+//! The paper's method: features freed of noise, spikes replaced, one regression at every pixel (its figure 2).
 
 #[cfg(test)]
 mod alternatives;
 
-use stack::{Cancelled, Image, Monitor};
+use stack::{Cancelled, ComponentRole, FeatureStack, Image, Monitor};
 
 use crate::Settings;
-use crate::prefilter::FeatureSet;
-use crate::reconstruction::Reconstruction;
+use crate::components::{sum_of_components, variance_of};
+use crate::emission::{rebuild_emission, with_emission_apart};
+use crate::prefilter::{FeatureSet, prefilter};
+use crate::reconstruction::{ReconstructError, Reconstruction};
 use crate::regression::{RegressionInput, regress};
 use crate::spikes::{SpikeFree, remove_spikes};
 
-/// Rebuilds scattered light: `radiance`, three channels, with the `variance` of its mean, guided by prefiltered
-/// `features`.
+/// Rebuilds the picture of `stack`. The paper knows scattered light only; directly seen emission is rebuilt by itself.
 ///
 /// # Errors
-/// When `monitor` cancels.
-pub fn rebuild(
+/// When a feature does not fit its role or the stack, nothing is known about noise, or `monitor` cancels.
+pub fn reconstruct(
+    stack: &FeatureStack,
+    settings: &Settings,
+    monitor: &dyn Monitor,
+) -> Result<Reconstruction, ReconstructError> {
+    let features = prefilter(stack, &settings.prefilter, monitor)?;
+    sum_of_components(stack.size(), &with_emission_apart(stack, monitor), |component| {
+        let (radiance, variance) = (&component.radiance.mean, variance_of(stack, component)?);
+        Ok(match component.role {
+            ComponentRole::Scattered => rebuild_scattered(radiance, &variance, &features, settings, monitor)?,
+            ComponentRole::Emission => rebuild_emission(radiance, &variance, &features, &settings.regression, monitor)?,
+        })
+    })
+}
+
+/// Rebuilds scattered light: `radiance`, three channels, with the `variance` of its mean, by prefiltered `features`.
+fn rebuild_scattered(
     radiance: &Image,
     variance: &Image,
     features: &FeatureSet,

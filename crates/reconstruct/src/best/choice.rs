@@ -29,6 +29,8 @@ use chooser::softmax;
 use evidence::{CANDIDATES, Evidence, FEW, Scales};
 use inputs::{Inputs, LANES, Lanes, rule_scores};
 use runaway::hold_back;
+pub use weights::chooser_of;
+#[cfg(test)]
 pub use weights::trained;
 
 /// Radius of the box that smooths weights, in pixels.

@@ -1,5 +1,7 @@
 //! Settings of the project's own method.
 
+use std::ops::RangeInclusive;
+
 use crate::reconstruction::ReconstructError;
 
 stack::knobs! {
@@ -248,6 +250,13 @@ stack::knob_groups! {
         choice: ChoiceSettings,
         /// Error.
         error: ErrorSettings,
+    }
+}
+
+impl LightSettings {
+    /// Brightness in which light is rebuilt as it is.
+    pub fn usual_brightness(&self) -> RangeInclusive<f32> {
+        self.darkest..=self.brightest
     }
 }
 

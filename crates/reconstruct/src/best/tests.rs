@@ -4,10 +4,12 @@ use std::borrow::Cow;
 
 use stack::{Dealing, FeatureStack, Image, SampleCounts, Silent, Size};
 
+use super::choice::trained;
 use super::halves::mean_of;
 use super::piloted::relative_noise;
 use super::split::Layers;
 use super::test_scene::{component, energy, error, flat, image, stack_of, walls};
+use super::workshop::Workshop;
 use super::*;
 use crate::reconstruction::Reconstruction;
 

@@ -2,11 +2,10 @@
 
 use stack::{Cancelled, Image, Monitor};
 
-use crate::Settings;
 use crate::box_filter::box_mean;
 use crate::prefilter::FeatureSet;
 use crate::reconstruction::Reconstruction;
-use crate::regression::{RegressionInput, regress};
+use crate::regression::{RegressionInput, RegressionSettings, regress};
 
 /// Rebuilds directly seen emission. A lamp is no spike, and where every bucket sees the same of it there is nothing to
 /// rebuild. No feature tells what a lamp or background looks like, so the regression is believed only as far as it stays
@@ -16,14 +15,14 @@ pub fn rebuild_emission(
     colour: &Image,
     variance: &Image,
     features: &FeatureSet,
-    settings: &Settings,
+    settings: &RegressionSettings,
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, Cancelled> {
     let (size, pixels) = (colour.size(), colour.pixels());
     let noise: Vec<f32> = (0..pixels).map(|pixel| variance.mean_at(pixel)).collect();
     let noisy: Vec<bool> = noise.iter().map(|v| *v > 0.0).collect();
     let input = RegressionInput { colour, variance, features, active: Some(&noisy) };
-    let mut fit = regress(&input, &settings.regression, monitor)?;
+    let mut fit = regress(&input, settings, monitor)?;
     let change = |pixel: usize| {
         let (x, y) = (fit.picture.rgb(pixel), colour.rgb(pixel));
         (0..3).map(|c| (x[c] - y[c]).powi(2)).sum::<f32>() / 3.0

@@ -140,7 +140,7 @@ impl Hearing {
         // What was made up has been told when the picture was rebuilt.
         let completed = complete(Cow::Borrowed(stack), &settings.completion_for_method(), &Silent)?;
         // Both are judged in light of usual brightness; units are no merit.
-        let exposure = exposure(&completed.stack.components, &settings.best.light);
+        let exposure = exposure(&completed.stack.components, settings.best.light.usual_brightness());
         let stack = completed.stack.exposed(exposure);
         let bright = Cow::Borrowed(rebuilt).exposed(exposure);
         let bright_guide = sound(guide, &rebuilt.picture).exposed(exposure);

@@ -53,7 +53,7 @@ pub fn reconstruct(
         ComponentRole::Emission => {
             let features = prefilter(stack, &settings.prefilter, monitor)?;
             let variance = variance_of(stack, component)?;
-            Ok(rebuild_emission(&component.radiance.mean, &variance, &features, settings, monitor)?)
+            Ok(rebuild_emission(&component.radiance.mean, &variance, &features, &settings.regression, monitor)?)
         }
     })
 }

@@ -13,10 +13,19 @@
 use super::chooser::{Chooser, HIDDEN, INPUTS, NODE, PARAMETERS};
 use super::evidence::CANDIDATES;
 use super::inputs::{OWN, SHARED};
+use crate::best::settings::ChoiceSettings;
 use crate::network::{WeightsError, WeightsReader, write_line};
 
 /// The weights that `tamis experiment chooser` trained.
 const TRAINED: &str = include_str!("weights.txt");
+
+/// The network that comes along, where the settings ask for it.
+///
+/// # Errors
+/// As [`trained`].
+pub fn chooser_of(settings: &ChoiceSettings) -> Result<Option<Chooser>, WeightsError> {
+    settings.learned.then(trained).transpose()
+}
 
 /// The network with the weights that come with this crate.
 ///

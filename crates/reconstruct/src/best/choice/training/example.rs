@@ -8,9 +8,11 @@ use super::answer::{Answer, Judged};
 use super::lights::{Light, Parts, parts_of, whole_light};
 use super::slope::{errors_of_rule, norm_of};
 use crate::best::choice::inputs::{Block, Inputs, LANES};
+use crate::best::features::{GuideFeatures, guide_features};
+use crate::best::light_guide::with_direct_light;
 use crate::best::piloted::Piloted;
 use crate::best::settings::BestSettings;
-use crate::best::{Extras, GuideFeatures, Workshop, guide_features, with_direct_light};
+use crate::best::workshop::{Extras, Workshop};
 use crate::exposure::{Exposed, exposure};
 use crate::network::Numbers;
 use crate::reconstruction::ReconstructError;
@@ -57,7 +59,7 @@ impl Example {
         monitor: &dyn Monitor,
     ) -> Result<Vec<Self>, ReconstructError> {
         settings.check_candidates()?;
-        let exposure = exposure(&stack.components, &settings.light);
+        let exposure = exposure(&stack.components, settings.light.usual_brightness());
         let stack = &stack.clone().exposed(exposure);
         let references = &references.clone().map(|reference| reference.exposed(exposure));
         let features = guide_features(stack, settings, monitor)?;

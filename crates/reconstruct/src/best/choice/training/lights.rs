@@ -4,8 +4,8 @@ use std::borrow::Cow;
 
 use stack::{Component, ComponentRole, FeatureStack, Image};
 
+use crate::best::indirect::{IndirectLight, take_off};
 use crate::components::is_lit;
-use crate::indirect::{IndirectLight, take_off};
 use crate::reconstruction::ReconstructError;
 
 /// Light that is rebuilt by itself.

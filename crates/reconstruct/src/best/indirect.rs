@@ -6,8 +6,8 @@ use std::borrow::Cow;
 use rayon::prelude::*;
 use stack::{Component, Estimate, FeatureStack, Image, Noise, SampleCounts};
 
-use crate::best::LightSettings;
-use crate::best::halves::luminance;
+use super::halves::luminance;
+use super::settings::LightSettings;
 use crate::box_filter::box_mean;
 use crate::exposure::Exposed;
 
@@ -30,6 +30,23 @@ pub enum Light<'a> {
         /// The share of the noise that is direct light's.
         share: f32,
     },
+}
+
+impl<'a> Light<'a> {
+    /// How a `whole` component is rebuilt that has this `indirect` light; noise is compared in light made `exposure` times
+    /// as bright.
+    pub fn of(
+        whole: Cow<'a, Component>,
+        indirect: Option<IndirectLight>,
+        counts: &SampleCounts,
+        settings: &LightSettings,
+        exposure: f32,
+    ) -> Self {
+        match indirect {
+            Some(indirect) => indirect.of_whole(whole, counts, settings, exposure),
+            None => Self::Whole(whole),
+        }
+    }
 }
 
 /// Indirect light of a component.
@@ -55,7 +72,7 @@ impl<'a> IndirectLight<'a> {
 
     /// `whole` taken apart where that is better, or with this light as it is best known. Noise is compared in light made
     /// `exposure` times as bright.
-    pub fn of_whole<'b>(
+    fn of_whole<'b>(
         self,
         whole: Cow<'b, Component>,
         counts: &SampleCounts,

@@ -4,22 +4,29 @@ use std::borrow::Cow;
 
 use stack::{Component, ComponentRole, FeatureStack, Image, Monitor};
 
-use crate::best::{Chooser, Extras, GuideFeatures, Workshop};
+use super::choice::Chooser;
+use super::error::share_unseen;
+use super::features::GuideFeatures;
+use super::indirect::Light;
+use super::light_guide::with_direct_light;
+use super::workshop::{Extras, Workshop};
+use crate::Settings;
 use crate::components::{is_lit, variance_of};
 use crate::emission::rebuild_emission;
 use crate::exposure::Exposed;
-use crate::indirect::Light;
 use crate::reconstruction::{ReconstructError, Reconstruction};
-use crate::{Settings, best};
+use crate::regression::RegressionSettings;
 
-/// What collaborative fits need to rebuild a component.
-pub struct Collaborative<'a> {
+/// What all components of a stack are rebuilt with.
+pub struct Components<'a> {
     workshop: Workshop<'a>,
-    settings: &'a Settings,
+    /// How directly seen emission is rebuilt.
+    of_emission: &'a RegressionSettings,
+    /// What makes their light as bright as usual.
     exposure: f32,
 }
 
-impl<'a> Collaborative<'a> {
+impl<'a> Components<'a> {
     /// Work on components of `stack`, made `exposure` times as bright for it.
     ///
     /// # Errors
@@ -34,7 +41,7 @@ impl<'a> Collaborative<'a> {
     ) -> Result<Self, ReconstructError> {
         settings.best.check_candidates()?;
         let workshop = Workshop { stack, features, beside: None, settings: &settings.best, chooser, extras };
-        Ok(Self { workshop, settings, exposure })
+        Ok(Self { workshop, of_emission: &settings.regression, exposure })
     }
 
     /// A component by itself, or direct and indirect light by themselves.
@@ -48,7 +55,7 @@ impl<'a> Collaborative<'a> {
             _ => workshop.extras.passes.iter().map(|pass| pass.clone().exposed(exposure)).collect(),
         };
         let extras = Extras { passes: &passes, ..workshop.extras };
-        let bright = Collaborative { workshop: Workshop { extras, ..workshop }, ..*self };
+        let bright = Components { workshop: Workshop { extras, ..workshop }, ..*self };
         let rebuilt = match light {
             Light::Whole(component) => bright.rebuilt_whole(component.exposed(exposure), monitor),
             Light::Apart { parts, share } => {
@@ -73,7 +80,7 @@ impl<'a> Collaborative<'a> {
             sum.add(workshop.rebuild(Cow::Owned(direct), monitor)?);
         }
         if is_lit(&indirect) {
-            let guided = best::with_direct_light(features, &sum.picture, settings.light.direct_guide);
+            let guided = with_direct_light(features, &sum.picture, settings.light.direct_guide);
             let (features, beside) = (guided.as_ref().unwrap_or(features), Some(&sum.picture));
             let workshop = Workshop { features, beside, ..self.workshop };
             sum.add(workshop.rebuild(Cow::Owned(indirect), monitor)?);
@@ -96,8 +103,8 @@ impl<'a> Collaborative<'a> {
             Cow::Owned(component) => Cow::Owned(component.radiance.mean),
             Cow::Borrowed(component) => Cow::Borrowed(&component.radiance.mean),
         };
-        let mut rebuilt = rebuild_emission(&radiance, &variance, &features.set, self.settings, monitor)?;
-        best::share_unseen(&mut rebuilt.mse, &variance);
+        let mut rebuilt = rebuild_emission(&radiance, &variance, &features.set, self.of_emission, monitor)?;
+        share_unseen(&mut rebuilt.mse, &variance);
         Ok(rebuilt)
     }
 }
