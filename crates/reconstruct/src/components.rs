@@ -1,6 +1,6 @@
 //! Components of a picture, one by one and added up.
 
-use stack::{Component, FeatureStack, Image, Size};
+use stack::{Component, Image, SampleCounts, Size};
 
 use crate::reconstruction::{ReconstructError, Reconstruction};
 use crate::variance::known_everywhere;
@@ -23,11 +23,11 @@ pub fn is_lit(component: &Component) -> bool {
     component.radiance.mean.channels().iter().any(|plane| plane.iter().any(|v| *v != 0.0))
 }
 
-/// Variance of the mean of `component`, known everywhere.
-pub fn variance_of(stack: &FeatureStack, component: &Component) -> Result<Image, ReconstructError> {
+/// Variance of the mean of `component`, whose pixels have so many samples (`counts`), known everywhere.
+pub fn variance_of(component: &Component, counts: &SampleCounts) -> Result<Image, ReconstructError> {
     let variance = component
         .radiance
-        .variance_of_mean(&stack.samples)
+        .variance_of_mean(counts)
         .ok_or(ReconstructError::NoiseUnknown { layer: component.role.layer() })?;
     Ok(known_everywhere(variance, &component.radiance.mean))
 }

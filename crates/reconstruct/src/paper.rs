@@ -24,7 +24,7 @@ pub fn reconstruct(
 ) -> Result<Reconstruction, ReconstructError> {
     let features = prefilter(stack, &settings.prefilter, monitor)?;
     sum_of_components(stack.size(), &with_emission_apart(stack, monitor), |component| {
-        let (radiance, variance) = (&component.radiance.mean, variance_of(stack, component)?);
+        let (radiance, variance) = (&component.radiance.mean, variance_of(component, &stack.samples)?);
         Ok(match component.role {
             ComponentRole::Scattered => rebuild_scattered(radiance, &variance, &features, settings, monitor)?,
             ComponentRole::Emission => rebuild_emission(radiance, &variance, &features, &settings.regression, monitor)?,

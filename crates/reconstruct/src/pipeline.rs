@@ -102,7 +102,7 @@ fn by_method(
 /// The mean of the samples, with its variance as error.
 fn unfiltered(stack: &FeatureStack) -> Result<Reconstruction, ReconstructError> {
     sum_of_components(stack.size(), &stack.components, |component| {
-        let variance = variance_of(stack, component)?;
+        let variance = variance_of(component, &stack.samples)?;
         let mse = (0..variance.pixels()).map(|pixel| variance.mean_at(pixel)).collect();
         Ok(Reconstruction { mse, ..Reconstruction::plain(component.radiance.mean.clone()) })
     })

@@ -2,14 +2,15 @@
 
 use std::borrow::Cow;
 
-use stack::{Component, ComponentRole, FeatureStack, Image, Monitor};
+use stack::{Component, ComponentRole, Image, Monitor, SampleCounts};
 
 use super::choice::Chooser;
 use super::error::share_unseen;
 use super::features::GuideFeatures;
 use super::indirect::Light;
 use super::light_guide::with_direct_light;
-use super::workshop::{Extras, Workshop};
+use super::rebuild::rebuild;
+use super::recipe::{Extras, Recipe};
 use crate::Settings;
 use crate::components::{is_lit, variance_of};
 use crate::emission::rebuild_emission;
@@ -19,7 +20,7 @@ use crate::regression::RegressionSettings;
 
 /// What all components of a stack are rebuilt with.
 pub struct Components<'a> {
-    workshop: Workshop<'a>,
+    recipe: Recipe<'a>,
     /// How directly seen emission is rebuilt.
     of_emission: &'a RegressionSettings,
     /// What makes their light as bright as usual.
@@ -27,12 +28,12 @@ pub struct Components<'a> {
 }
 
 impl<'a> Components<'a> {
-    /// Work on components of `stack`, made `exposure` times as bright for it.
+    /// Components of a stack with so many samples (`counts`) are made `exposure` times as bright before they are rebuilt.
     ///
     /// # Errors
     /// When the network would be asked about candidates that it does not know.
     pub fn new(
-        stack: &'a FeatureStack,
+        counts: &'a SampleCounts,
         features: &'a GuideFeatures,
         settings: &'a Settings,
         chooser: Option<&'a Chooser>,
@@ -40,8 +41,8 @@ impl<'a> Components<'a> {
         exposure: f32,
     ) -> Result<Self, ReconstructError> {
         settings.best.check_candidates()?;
-        let workshop = Workshop { stack, features, beside: None, settings: &settings.best, chooser, extras };
-        Ok(Self { workshop, of_emission: &settings.regression, exposure })
+        let recipe = Recipe { counts, features, beside: None, settings: &settings.best, chooser, extras };
+        Ok(Self { recipe, of_emission: &settings.regression, exposure })
     }
 
     /// A component by itself, or direct and indirect light by themselves.
@@ -49,13 +50,13 @@ impl<'a> Components<'a> {
     /// # Errors
     /// When the component's noise does not come in buckets, or `monitor` cancels.
     pub fn rebuilt(&self, light: Light, monitor: &dyn Monitor) -> Result<Reconstruction, ReconstructError> {
-        let Self { workshop, exposure, .. } = *self;
+        let Self { recipe, exposure, .. } = *self;
         let passes: Cow<[Image]> = match exposure {
-            1.0 => Cow::Borrowed(workshop.extras.passes),
-            _ => workshop.extras.passes.iter().map(|pass| pass.clone().exposed(exposure)).collect(),
+            1.0 => Cow::Borrowed(recipe.extras.passes),
+            _ => recipe.extras.passes.iter().map(|pass| pass.clone().exposed(exposure)).collect(),
         };
-        let extras = Extras { passes: &passes, ..workshop.extras };
-        let bright = Components { workshop: Workshop { extras, ..workshop }, ..*self };
+        let extras = Extras { passes: &passes, ..recipe.extras };
+        let bright = Components { recipe: Recipe { extras, ..recipe }, ..*self };
         let rebuilt = match light {
             Light::Whole(component) => bright.rebuilt_whole(component.exposed(exposure), monitor),
             Light::Apart { parts, share } => {
@@ -72,18 +73,18 @@ impl<'a> Components<'a> {
         share: f32,
         monitor: &dyn Monitor,
     ) -> Result<Reconstruction, ReconstructError> {
-        let Workshop { stack, features, settings, .. } = self.workshop;
-        let mut sum = Reconstruction::plain(Image::zeros(stack.size(), 3));
+        let Recipe { features, settings, .. } = self.recipe;
+        let mut sum = Reconstruction::plain(Image::zeros(features.set.size, 3));
         if is_lit(&direct) {
             let settings = settings.for_direct_light(share);
-            let workshop = Workshop { settings: &settings, ..self.workshop };
-            sum.add(workshop.rebuild(Cow::Owned(direct), monitor)?);
+            let recipe = Recipe { settings: &settings, ..self.recipe };
+            sum.add(rebuild(&recipe, Cow::Owned(direct), monitor)?);
         }
         if is_lit(&indirect) {
             let guided = with_direct_light(features, &sum.picture, settings.light.direct_guide);
             let (features, beside) = (guided.as_ref().unwrap_or(features), Some(&sum.picture));
-            let workshop = Workshop { features, beside, ..self.workshop };
-            sum.add(workshop.rebuild(Cow::Owned(indirect), monitor)?);
+            let recipe = Recipe { features, beside, ..self.recipe };
+            sum.add(rebuild(&recipe, Cow::Owned(indirect), monitor)?);
         }
         Ok(sum)
     }
@@ -93,11 +94,11 @@ impl<'a> Components<'a> {
         component: Cow<'_, Component>,
         monitor: &dyn Monitor,
     ) -> Result<Reconstruction, ReconstructError> {
-        let Workshop { stack, features, .. } = self.workshop;
         if component.role == ComponentRole::Scattered {
-            return self.workshop.rebuild(component, monitor);
+            return rebuild(&self.recipe, component, monitor);
         }
-        let variance = variance_of(stack, &component)?;
+        let Recipe { counts, features, .. } = self.recipe;
+        let variance = variance_of(&component, counts)?;
         // Its buckets are not needed any more.
         let radiance = match component {
             Cow::Owned(component) => Cow::Owned(component.radiance.mean),

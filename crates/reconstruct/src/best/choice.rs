@@ -20,7 +20,7 @@ use stack::Image;
 use super::features::GuideFeatures;
 use super::guided_kernel::GuidedKernel;
 use super::settings::ChoiceSettings;
-use super::split::Layers;
+use super::split::LowLayer;
 use crate::bands::{bands, image_rows};
 use crate::box_filter::box_mean;
 use crate::network::lanes_of;
@@ -56,7 +56,7 @@ pub struct Contest<'a> {
     /// Both halves of every candidate, in the order the network was trained with.
     pub candidates: &'a [[Image; 2]],
     /// The noisy halves and their variance.
-    pub layers: &'a Layers,
+    pub low: &'a LowLayer,
     /// The picture that guided the candidates.
     pub pilot: &'a Image,
     /// Features.
@@ -87,9 +87,9 @@ pub fn weights(contest: &Contest, settings: &ChoiceSettings, chooser: Option<&Ch
     for band in bands(size.height, rows, reach) {
         let rows = |image: &Image| image_rows(image, &band.around);
         let candidates: Vec<_> = contest.candidates.par_iter().map(|halves| halves.each_ref().map(rows)).collect();
-        let (layers, features) = (contest.layers.rows(&band.around), contest.features.rows(&band.around));
+        let (low, features) = (contest.low.rows(&band.around), contest.features.rows(&band.around));
         let pilot = rows(contest.pilot);
-        let part = Contest { candidates: &candidates, layers: &layers, pilot: &pilot, features: &features };
+        let part = Contest { candidates: &candidates, low: &low, pilot: &pilot, features: &features };
         band.put(&weights_at_once(&part, settings, chooser), &mut weights);
     }
     weights

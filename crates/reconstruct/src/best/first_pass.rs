@@ -18,15 +18,15 @@ pub fn first_pass(
     settings: &FitSettings,
     monitor: &dyn Monitor,
 ) -> Result<[Image; 2], Cancelled> {
-    let Given { layers, noise, samples, features } = *given;
+    let Given { low, noise, samples, features } = given;
     let size = features.set.size;
     let crossed = Crossed {
         size,
         features: &features.set.planes,
-        halves: layers.halves.each_ref().map(Image::channels),
-        variances: layers.variance.channels(),
+        halves: low.halves.each_ref().map(Image::channels),
+        variances: low.variance.channels(),
         noise,
-        importance: samples,
+        importance: samples.as_deref(),
     };
     let images = images.each_ref().map(Image::channels);
     Ok(halves_of(size, crossed.fit(images, settings, "first pass", monitor)?))

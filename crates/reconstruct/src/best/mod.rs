@@ -1,15 +1,21 @@
 //! The project's own method: light split into a low layer and events, rebuilt in two passes of collaborative
 //! regression, each pixel by the candidates that predict the other half best.
 //!
-//! `reconstruct` takes a stack, parts direct and indirect light (`indirect`), and has each part rebuilt in light of usual
-//! brightness (`by_component`). The steps of that, one file each: what exceeds its surroundings goes to a sparse layer (`split`); features are freed of noise
-//! (`features`; visibility and what paths meet next, by the others: `by_others`); a first regression guided by the other half
-//! (`first_pass`); the sparse layer is spread over pixels that resemble its own (`spread`); what the residual still holds
-//! is added (`cascade`), which makes a pilot picture; a second regression is guided by the pilot (`second_pass`); the
-//! candidates are mixed by their error and a small network (`choice`); wide noise is taken off (`clouds`), lost light given
-//! back (`restore`), and the error estimated (`error`). `piloted` puts those up to the pilot in a row, `workshop` the rest.
+//! The road of a stack, one step a file (`docs/best.md` says why each is as it is):
+//!
+//! * `reconstruct`: the components of a stack; `indirect` parts direct and indirect light where that is better.
+//! * `by_component`: each of those in light of usual brightness, direct light before indirect.
+//! * `rebuild`: the steps of one, put in a row by itself, `piloted` and `second_half`:
+//!   1. `features` are freed of noise, visibility and what paths meet next by the others (`by_others`).
+//!   2. `split`: what exceeds its surroundings leaves the low layer and becomes events.
+//!   3. `first_pass`: a regression of each half of the low layer, guided by the other half.
+//!   4. `spread`: events are spread over pixels that resemble their own.
+//!   5. `cascade`: what the residual still holds is added, which makes the pilot picture.
+//!   6. `second_pass`: regressions that the pilot guides, which make candidates.
+//!   7. `choice`: candidates are mixed by their error and a small network.
+//!   8. `clouds`: wide noise is taken off; `restore`: lost light is given back.
+//!   9. `error`: the picture's own estimate of its error.
 
-mod alone;
 mod by_component;
 mod by_others;
 mod cascade;
@@ -26,23 +32,25 @@ mod indirect;
 mod light_guide;
 mod natural;
 mod passes;
-pub(crate) mod piloted;
+mod piloted;
+mod rebuild;
+mod recipe;
 mod reconstruct;
 mod restore;
+mod second_half;
 mod second_pass;
 mod settings;
-mod split;
+pub(crate) mod split;
 pub(crate) mod spread;
 #[cfg(test)]
 pub(crate) mod test_scene;
-mod workshop;
 
 pub use cascade::MOST_PARTS;
 pub use choice::{Chooser, chooser_of, training};
 pub use features::{GuideFeatures, guide_features};
+pub use recipe::Extras;
 pub use reconstruct::{reconstruct, reconstruct_freeing};
 pub use settings::{BestSettings, FitSettings, LightSettings};
-pub use workshop::Extras;
 
 #[cfg(test)]
 mod tests;

@@ -9,7 +9,7 @@ use super::by_component::Components;
 use super::choice::Chooser;
 use super::features::{guide_features, guide_features_freeing};
 use super::indirect::{IndirectLight, Light};
-use super::workshop::Extras;
+use super::recipe::Extras;
 use crate::Settings;
 use crate::components::{is_lit, sum_of_components};
 use crate::exposure::exposure;
@@ -30,7 +30,7 @@ pub fn reconstruct(
     let light = &settings.best.light;
     let features = guide_features(stack, &settings.best, monitor)?;
     let exposure = exposure(&stack.components, light.usual_brightness());
-    let components = Components::new(stack, &features, settings, chooser, extras, exposure)?;
+    let components = Components::new(&stack.samples, &features, settings, chooser, extras, exposure)?;
     sum_of_components(stack.size(), &stack.components, |component| {
         let indirect = IndirectLight::of(stack, light.gathered).filter(|_| may_go_apart(component, extras));
         let light = Light::of(Cow::Borrowed(component), indirect, &stack.samples, light, exposure);
@@ -61,7 +61,7 @@ pub fn reconstruct_freeing(
     }
     drop(indirect);
     let features = guide_features_freeing(&mut stack, &settings.best, monitor)?;
-    let components = Components::new(&stack, &features, settings, chooser, extras, exposure)?;
+    let components = Components::new(&stack.samples, &features, settings, chooser, extras, exposure)?;
     let mut sum = Reconstruction::plain(Image::zeros(stack.size(), 3));
     // The last first: emission is soon done with.
     while let Some(light) = lights.pop() {

@@ -50,11 +50,11 @@ pub fn second_pass(
     settings: &FitSettings,
     monitor: &dyn Monitor,
 ) -> Result<Vec<[Image; 2]>, Cancelled> {
-    let Given { noise, samples, features, .. } = *given;
+    let Given { noise, samples, features, .. } = given;
     let size = features.set.size;
     let planes: Vec<&[f32]> = images.iter().flat_map(|half| half.channels()).map(Vec::as_slice).collect();
     let scale = tolerated(pilot, first, settings.tolerance);
-    let importance = importance(pilot, samples, settings.relative);
+    let importance = importance(pilot, samples.as_deref(), settings.relative);
     let guides = Guides {
         size,
         values: &[pilot.channels()],

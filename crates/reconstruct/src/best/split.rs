@@ -3,85 +3,45 @@
 //! This is the paper's split into low rank and sparse (its section 4.1) where the assumption holds: across buckets the
 //! truth is the same and a firefly is in one of them.
 
+mod alone;
 mod caps;
 mod cut;
 mod high_ranks;
+mod layers;
 mod sparse;
 
-use std::ops::Range;
-
 use rayon::prelude::*;
-use stack::{Component, Dealing, GroupCounts, Image, Noise, SampleCounts};
+use stack::{Component, Dealing, Estimate, GroupCounts, Image, Noise, SampleCounts, Size};
 
 use super::settings::SplitSettings;
-use crate::bands::{image_rows, rows_of};
 use crate::per_pixel::planes_by_eight;
 use crate::reconstruction::ReconstructError;
 use crate::variance::{known_everywhere, steadied};
+use alone::split_alone;
 use caps::caps;
 use cut::Cut;
 use high_ranks::NOTHING;
+use layers::LEAST_VARIANCE;
+pub use layers::{Events, Layers, LowLayer};
 
-/// Least variance of a half.
-pub const LEAST_VARIANCE: f32 = 1e-7;
-
-/// A component in two layers.
-#[derive(Clone, Debug)]
-pub struct Layers {
-    /// The low layer's half-buffers.
-    pub halves: [Image; 2],
-    /// Variance of a half's mean, ½ its own and ½ that of 3×3 pixels.
-    pub variance: Image,
-    /// What was cut off.
-    pub events: Events,
-}
-
-/// The sparse layer. An event is what was cut off one bucket at one pixel.
-#[derive(Clone, Debug)]
-pub struct Events {
-    /// What was cut off the buckets of either half, divided by all samples of the pixel; three channels each. Their sum
-    /// is what the mean lacks.
-    pub light: [Image; 2],
-    /// Σ e over a pixel's events, e the RGB sum of one.
-    pub energy: Vec<f32>,
-    /// Σ e².
-    pub squares: Vec<f32>,
-}
-
-impl Events {
-    /// Σe²/(Σe)² of a pixel's events: one over how many equal ones they count for.
-    pub fn concentration(&self, pixel: usize) -> f32 {
-        self.squares[pixel] / (self.energy[pixel] * self.energy[pixel]).max(f32::MIN_POSITIVE)
-    }
-}
-
-impl Layers {
-    /// Some `rows` of both layers.
-    pub fn rows(&self, rows: &Range<usize>) -> Self {
-        let Self { halves, variance, events: Events { light, energy, squares } } = self;
-        let [energy, squares] = [energy, squares].map(|plane| rows_of(plane, variance.size(), rows));
-        let light = light.each_ref().map(|image| image_rows(image, rows));
-        Self {
-            halves: halves.each_ref().map(|image| image_rows(image, rows)),
-            variance: image_rows(variance, rows),
-            events: Events { light, energy, squares },
-        }
-    }
-}
-
-/// Splits `component`.
+/// Splits `component`: by its buckets, or, where nothing but a variance is known of its noise, by its neighbours alone.
 ///
 /// # Errors
-/// When its noise does not come in buckets.
+/// When its noise comes in neither.
 pub fn split(
     component: &Component,
     counts: &SampleCounts,
     settings: &SplitSettings,
 ) -> Result<Layers, ReconstructError> {
-    let Noise::Buckets(buckets) = &component.radiance.noise else {
-        return Err(ReconstructError::NoBuckets { layer: component.role.layer() });
-    };
-    let size = component.radiance.mean.size();
+    let Estimate { mean, noise } = &component.radiance;
+    match noise {
+        Noise::Buckets(buckets) => Ok(split_buckets(mean.size(), buckets, counts, settings)),
+        Noise::VarianceOfMean(variance) => Ok(split_alone(mean, variance)),
+        Noise::Unknown => Err(ReconstructError::NoBuckets { layer: component.role.layer() }),
+    }
+}
+
+fn split_buckets(size: Size, buckets: &[Image], counts: &SampleCounts, settings: &SplitSettings) -> Layers {
     // Our own differ by a sample or so where they come in pairs of buckets.
     let may_differ = !matches!(counts.dealing, Dealing::Numbered { .. }) || buckets.len() % 2 == 1;
     let (of_halves, of_buckets) = (counts.grouped(2), counts.grouped(buckets.len()));
@@ -99,11 +59,10 @@ pub fn split(
     }
     let variance = known_everywhere(image(), &halves[0]);
     let light = [image(), image()];
-    Ok(Layers {
-        halves,
-        variance: steadied(variance, LEAST_VARIANCE),
+    Layers {
+        low: LowLayer { halves, variance: steadied(variance, LEAST_VARIANCE) },
         events: Events { light, energy: planes.next().unwrap_or_default(), squares: planes.next().unwrap_or_default() },
-    })
+    }
 }
 
 /// No half counts as more than so many times the other: noise of light is skewed, so that turned halves are not independent

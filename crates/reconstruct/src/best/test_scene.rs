@@ -5,7 +5,7 @@ use stack::{
 };
 
 use super::features::GuideFeatures;
-use super::split::{Events, Layers};
+use super::split::{Events, Layers, LowLayer};
 use crate::prefilter::FeatureSet;
 use crate::test_noise::TestNoise;
 
@@ -65,8 +65,7 @@ pub fn layers(clean: &Image, deviation: f32, seed: u64) -> Layers {
     let variance = flat(size, deviation * deviation + 1e-7);
     let nothing = vec![0.0; size.pixels()];
     Layers {
-        halves,
-        variance,
+        low: LowLayer { halves, variance },
         events: Events { light: [flat(size, 0.0), flat(size, 0.0)], energy: nothing.clone(), squares: nothing },
     }
 }

@@ -5,11 +5,12 @@ use std::borrow::Cow;
 use stack::{Dealing, FeatureStack, Image, SampleCounts, Silent, Size};
 
 use super::choice::trained;
+use super::given::relative_noise;
 use super::halves::mean_of;
-use super::piloted::relative_noise;
-use super::split::Layers;
+use super::rebuild::rebuild;
+use super::recipe::Recipe;
+use super::split::LowLayer;
 use super::test_scene::{component, energy, error, flat, image, stack_of, walls};
-use super::workshop::Workshop;
 use super::*;
 use crate::reconstruction::Reconstruction;
 
@@ -24,8 +25,9 @@ fn with(stack: &FeatureStack, extras: Extras) -> Reconstruction {
     let features = guide_features(stack, &settings, &Silent).unwrap();
     let (component, chooser) = (Cow::Borrowed(&stack.components[0]), trained().unwrap());
     let (chooser, features) = (Some(&chooser), &features);
-    let shop = Workshop { stack, features, beside: None, settings: &settings, chooser, extras };
-    let found = shop.rebuild(component, &Silent).unwrap();
+    let counts = &stack.samples;
+    let recipe = Recipe { counts, features, beside: None, settings: &settings, chooser, extras };
+    let found = rebuild(&recipe, component, &Silent).unwrap();
     let values = found.picture.channels().iter().flatten().chain(&found.mse);
     assert!(values.into_iter().all(|v| v.is_finite() && *v >= 0.0), "something is negative or not a number");
     found
@@ -131,8 +133,8 @@ fn the_same_bytes_for_any_number_of_threads() {
 
 #[test]
 fn means_and_relative_noise_follow_their_formulas() {
-    let layers = test_scene::layers(&flat(SIZE, 2.0), 0.0, 149);
-    let noise = relative_noise(&Layers { variance: flat(SIZE, 0.4), ..layers });
+    let low = test_scene::layers(&flat(SIZE, 2.0), 0.0, 149).low;
+    let noise = relative_noise(&LowLayer { variance: flat(SIZE, 0.4), ..low });
     assert!(noise.iter().all(|v| (v - 0.4 / 4.001).abs() < 1e-5));
     assert_eq!(mean_of(&[flat(SIZE, 1.0), flat(SIZE, 4.0)]), flat(SIZE, 2.5));
 }

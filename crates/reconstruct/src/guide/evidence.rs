@@ -3,7 +3,7 @@
 use stack::{Component, ComponentRole, FeatureStack, Image, Monitor};
 
 use crate::best::halves::{mean_of, sum_of};
-use crate::best::piloted::layers_of;
+use crate::best::split::split;
 use crate::best::{BestSettings, GuideFeatures, guide_features, spread};
 use crate::components::{is_lit, variance_of};
 use crate::reconstruction::ReconstructError;
@@ -42,7 +42,7 @@ impl Evidence {
                 evidence.add_scattered(stack, component, picture, settings, monitor)?;
             } else {
                 evidence.noisy.add(&component.radiance.mean);
-                evidence.variance.add(&variance_of(stack, component)?);
+                evidence.variance.add(&variance_of(component, &stack.samples)?);
             }
         }
         Ok(evidence)
@@ -56,13 +56,13 @@ impl Evidence {
         settings: &BestSettings,
         monitor: &dyn Monitor,
     ) -> Result<(), ReconstructError> {
-        let layers = layers_of(component, stack, settings)?;
+        let layers = split(component, &stack.samples, &settings.split)?;
         let spread = spread::spread(&layers.events, picture, &self.features, &settings.spread);
-        self.noisy.add(&mean_of(&layers.halves));
+        self.noisy.add(&mean_of(&layers.low.halves));
         self.noisy.add(&spread::steadied(spread.halves, picture, &self.features, &settings.spread, monitor)?);
         self.events.add(&sum_of(&layers.events.light));
         // The layers know the variance of a half.
-        let mut variance = layers.variance;
+        let mut variance = layers.low.variance;
         variance.channels_mut().iter_mut().flatten().for_each(|v| *v *= 0.5);
         self.variance.add(&variance);
         Ok(())

@@ -52,7 +52,7 @@ pub fn reconstruct(
         ComponentRole::Scattered => scattered(stack, component, rival, settings, monitor),
         ComponentRole::Emission => {
             let features = prefilter(stack, &settings.prefilter, monitor)?;
-            let variance = variance_of(stack, component)?;
+            let variance = variance_of(component, &stack.samples)?;
             Ok(rebuild_emission(&component.radiance.mean, &variance, &features, &settings.regression, monitor)?)
         }
     })
@@ -65,7 +65,7 @@ fn scattered(
     settings: &Settings,
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
-    let (radiance, variance) = (&component.radiance.mean, variance_of(stack, component)?);
+    let (radiance, variance) = (&component.radiance.mean, variance_of(component, &stack.samples)?);
     match rival {
         Rival::Wlr(variant) => wlr::rebuild(stack, radiance, &variance, variant, settings, monitor),
         Rival::Nfor => nfor::rebuild(stack, component, settings, monitor),

@@ -158,12 +158,12 @@ impl Raw<'_> {
     /// V, E and, where there is room, D and R, before they are weighed.
     #[inline(always)]
     fn unweighed<const N: usize>(&self, variance: &Lanes, pixels: Pixels) -> [Lanes; N] {
-        let Contest { candidates, layers, .. } = self.contest;
+        let Contest { candidates, low, .. } = self.contest;
         let mut numbers = [[0.0; LANES]; N];
         numbers[0] = variance.map(|v| 6.0 * v);
         for c in 0..3 {
-            let [noisy_a, noisy_b] = channel(&layers.halves, c, pixels);
-            let v = pixels.of(&layers.variance.channels()[c]);
+            let [noisy_a, noisy_b] = channel(&low.halves, c, pixels);
+            let v = pixels.of(&low.variance.channels()[c]);
             let mut centre = [0.0; LANES];
             if N == ALL {
                 for k in MIDDLE {
@@ -222,7 +222,7 @@ impl<const N: usize> ByEight<N> for Raw<'_> {
     #[inline(always)]
     fn numbers(&self, pixels: Pixels) -> [Lanes; N] {
         let mut variance = [0.0; LANES];
-        for plane in self.contest.layers.variance.channels() {
+        for plane in self.contest.low.variance.channels() {
             let values = pixels.of(plane);
             (0..LANES).for_each(|i| variance[i] += values[i] / 3.0);
         }

@@ -2,6 +2,7 @@
 
 use stack::Size;
 
+use super::super::split::Layers;
 use super::super::test_scene::{error, flat, image, layers, two_halves};
 use super::*;
 use crate::test_noise::TestNoise;
@@ -12,7 +13,7 @@ const SIZE: Size = Size::new(40, 30);
 fn run(candidates: &[[Image; 2]], layers: &Layers, clean: &Image) -> [[Image; 2]; 2] {
     let settings = ChoiceSettings::default();
     let features = two_halves(SIZE);
-    let contest = Contest { candidates, layers, pilot: clean, features: &features };
+    let contest = Contest { candidates, low: &layers.low, pilot: clean, features: &features };
     let chooser = trained().unwrap();
     [None, Some(&chooser)].map(|chooser| mixtures(candidates, weights(&contest, &settings, chooser).channels()))
 }
@@ -44,7 +45,7 @@ fn among_few_the_right_one_wins_by_the_rule() {
     for right in 0..FEW {
         let candidates: Vec<[Image; 2]> =
             (0..FEW).map(|k| if k == right { both(&clean) } else { biased.clone() }).collect();
-        let contest = Contest { candidates: &candidates, layers: &layers, pilot: &clean, features: &features };
+        let contest = Contest { candidates: &candidates, low: &layers.low, pilot: &clean, features: &features };
         let weights = weights(&contest, &ChoiceSettings::default(), None);
         let mixed = mixtures(&candidates, weights.channels());
         assert!(mixed.iter().all(|half| error(half, &clean) < 0.03 * error(&biased[0], &clean)), "{right}");
@@ -111,8 +112,8 @@ fn mixtures_are_finite() {
 fn a_candidate_that_repeats_its_own_noise_does_not_win() {
     let clean = flat(SIZE, 1.0);
     let layers = layers(&clean, 0.2, 136);
-    for chosen in run(&one_of(2, &both(&clean), &layers.halves), &layers, &clean) {
-        for (half, noisy) in chosen.iter().zip(&layers.halves) {
+    for chosen in run(&one_of(2, &both(&clean), &layers.low.halves), &layers, &clean) {
+        for (half, noisy) in chosen.iter().zip(&layers.low.halves) {
             assert!(error(half, &clean) < 0.2 * error(noisy, &clean), "{}", error(half, &clean));
         }
     }
@@ -124,7 +125,7 @@ fn evidence_comes_from_farther_around_where_noise_is_high() {
     let candidates = one_of(0, &both(&clean), &both(&flat(SIZE, 1.3)));
     for (deviation, is_noisy) in [(0.2, false), (2.0, true)] {
         let layers = layers(&clean, deviation, 138);
-        let contest = Contest { candidates: &candidates, layers: &layers, pilot: &clean, features: &features };
+        let contest = Contest { candidates: &candidates, low: &layers.low, pilot: &clean, features: &features };
         let evidence = Evidence::new(&contest, &settings, Scales::All);
         let [finest, middle] = [0, 1].map(|level| &evidence.levels()[level]);
         let differ = |(a, b): (&f32, &f32)| (a - b).abs() > 1e-4 * middle.noise()[0];

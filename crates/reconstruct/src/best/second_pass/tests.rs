@@ -1,5 +1,7 @@
 //! The second regression on pictures whose truth is known.
 
+use std::borrow::Cow;
+
 use stack::{Silent, Size};
 
 use super::super::split::Layers;
@@ -11,8 +13,8 @@ const SIZE: Size = Size::new(40, 30);
 
 fn run(layers: &Layers, pilot: &Image, settings: &FitSettings) -> Vec<[Image; 2]> {
     let (first, noise) = ([pilot.clone(), pilot.clone()], vec![0.05; SIZE.pixels()]);
-    let given = Given { layers, noise: &noise, samples: None, features: &two_halves(SIZE) };
-    second_pass(&layers.halves, &given, pilot, &first, settings, &Silent).unwrap()
+    let given = Given { low: layers.low.clone(), noise, samples: None, features: Cow::Owned(two_halves(SIZE)) };
+    second_pass(&layers.low.halves, &given, pilot, &first, settings, &Silent).unwrap()
 }
 
 fn settings() -> FitSettings {
@@ -44,7 +46,7 @@ fn wider_kernels_and_windows_leave_less_noise() {
     let layers = layers(&clean, 0.15, 111);
     let found = run(&layers, &with_noise(&clean, 0.02, &mut TestNoise(113)), &settings());
     let errors: Vec<f32> = found.iter().map(|[a, b]| error(a, &clean) + error(b, &clean)).collect();
-    let noisy = error(&layers.halves[0], &clean) + error(&layers.halves[1], &clean);
+    let noisy = error(&layers.low.halves[0], &clean) + error(&layers.low.halves[1], &clean);
     assert!(errors[..3].iter().all(|e| *e < 0.1 * noisy), "{errors:?} of {noisy}");
     assert!(errors[0] > errors[1] && errors[1] > errors[2] && errors[3] > 1.2 * errors[1], "{errors:?}");
 }

@@ -35,7 +35,7 @@ fn check_sum(layers: &Layers, mean: &Image, counts: &SampleCounts) {
     for i in (0..mean.pixels()).filter(|i| counts.total[*i] > 0) {
         let [a, b] = [0, 1].map(|half| counts.in_group(i, half, 2) as f32);
         for c in 0..3 {
-            let [low_a, low_b] = [0, 1].map(|half: usize| layers.halves[half].rgb(i)[c]);
+            let [low_a, low_b] = [0, 1].map(|half: usize| layers.low.halves[half].rgb(i)[c]);
             let [light_a, light_b] = [0, 1].map(|half: usize| layers.events.light[half].rgb(i)[c]);
             let mean = mean.rgb(i)[c];
             let sum = (a * low_a + b * low_b) / (a + b) + light_a + light_b;
@@ -53,7 +53,7 @@ fn both_layers_add_up_to_the_mean() {
         let component = component(skewed(&counts, 90), &counts);
         let layers = split(&component, &counts, &settings()).unwrap();
         check_sum(&layers, &component.radiance.mean, &counts);
-        assert!(layers.variance.channels().iter().flatten().all(|v| v.is_finite() && *v > 0.0));
+        assert!(layers.low.variance.channels().iter().flatten().all(|v| v.is_finite() && *v > 0.0));
     }
 }
 
@@ -63,8 +63,11 @@ fn a_pixel_without_samples_is_black_and_of_known_variance() {
     total[20] = 0;
     let counts = SampleCounts { first: 0, total, dealing: Dealing::Numbered { sequences: 8, buckets: 8 } };
     let layers = split(&component(skewed(&counts, 91), &counts), &counts, &settings()).unwrap();
-    assert_eq!([&layers.halves[0], &layers.events.light[0], &layers.events.light[1]].map(|i| i.rgb(20)), [[0.0; 3]; 3]);
-    assert!(layers.variance.rgb(20).iter().all(|v| v.is_finite() && *v > 0.0));
+    assert_eq!(
+        [&layers.low.halves[0], &layers.events.light[0], &layers.events.light[1]].map(|i| i.rgb(20)),
+        [[0.0; 3]; 3]
+    );
+    assert!(layers.low.variance.rgb(20).iter().all(|v| v.is_finite() && *v > 0.0));
 }
 
 #[test]
@@ -72,7 +75,7 @@ fn a_half_without_samples_repeats_the_other() {
     let counts = SampleCounts::uniform(SIZE.pixels(), vec![3, 0]);
     let buckets = vec![flat(SIZE, 0.5), flat(SIZE, f32::NAN)];
     let layers = split(&component(buckets, &counts), &counts, &settings()).unwrap();
-    assert_eq!(layers.halves, [flat(SIZE, 0.5), flat(SIZE, 0.5)]);
+    assert_eq!(layers.low.halves, [flat(SIZE, 0.5), flat(SIZE, 0.5)]);
 }
 
 #[test]
@@ -82,7 +85,7 @@ fn smooth_pictures_are_not_cut() {
     let layers = split(&component(vec![smooth.clone(); 8], &counts), &counts, &settings()).unwrap();
     assert!(layers.events.energy.iter().chain(&layers.events.squares).all(|e| *e == 0.0));
     assert_eq!(layers.events.light, [flat(SIZE, 0.0), flat(SIZE, 0.0)]);
-    for (half, smooth) in layers.halves.iter().flat_map(|h| h.channels().iter().zip(smooth.channels())) {
+    for (half, smooth) in layers.low.halves.iter().flat_map(|h| h.channels().iter().zip(smooth.channels())) {
         assert!(half.iter().zip(smooth).all(|(a, b)| (a - b).abs() < 1e-6));
     }
 }
@@ -100,13 +103,13 @@ fn a_firefly_is_cut_to_the_cap_and_its_energy_becomes_an_event() {
     let close = |a: f32, b: f32| (a - b).abs() < 1e-4 * b;
     for (c, value) in [1500.0, 900.0, 600.0].into_iter().enumerate() {
         assert!(close(layers.events.light[1].rgb(at)[c], (1.0 - kept) * value / 8.0));
-        assert!(close(layers.halves[1].rgb(at)[c], (3.0 + kept * value) / 4.0), "its own half keeps the cap");
-        assert_eq!(layers.halves[0].rgb(at)[c], 1.0, "and the other none of it");
+        assert!(close(layers.low.halves[1].rgb(at)[c], (3.0 + kept * value) / 4.0), "its own half keeps the cap");
+        assert_eq!(layers.low.halves[0].rgb(at)[c], 1.0, "and the other none of it");
     }
     let event = 4.0 * (1.0 - kept) * 3000.0;
     assert!(close(layers.events.energy[at], event) && close(layers.events.squares[at], event * event));
     let others = (0..SIZE.pixels()).filter(|i| *i != at);
-    assert!(others.into_iter().all(|i| layers.events.energy[i] == 0.0 && layers.halves[1].rgb(i) == [1.0; 3]));
+    assert!(others.into_iter().all(|i| layers.events.energy[i] == 0.0 && layers.low.halves[1].rgb(i) == [1.0; 3]));
 }
 
 #[test]
@@ -114,7 +117,7 @@ fn light_that_all_buckets_agree_on_is_no_firefly() {
     let (counts, at) = (eight_each(SIZE), SIZE.index(6, 5));
     let bright = image(SIZE, |x, y, _| if SIZE.index(x, y) == at { 50.0 } else { 1.0 });
     let layers = split(&component(vec![bright; 8], &counts), &counts, &settings()).unwrap();
-    assert_eq!((layers.events.energy[at], layers.halves[0].rgb(at)), (0.0, [50.0; 3]));
+    assert_eq!((layers.events.energy[at], layers.low.halves[0].rgb(at)), (0.0, [50.0; 3]));
 }
 
 #[test]
@@ -128,7 +131,7 @@ fn where_two_fireflies_meet_there_is_no_detail() {
             buckets[bucket].channels_mut().iter_mut().for_each(|plane| plane[pixel] = 52.0);
         }
         let layers = split(&component(buckets, &counts), &counts, &settings()).unwrap();
-        let low = 0.5 * (layers.halves[0].rgb(at)[0] + layers.halves[1].rgb(at)[0]);
+        let low = 0.5 * (layers.low.halves[0].rgb(at)[0] + layers.low.halves[1].rgb(at)[0]);
         (8.0 * low - (8.0 + bright.len() as f32)) / (50.0 * bright.len() as f32)
     };
     let others = [SIZE.index(4, 4), SIZE.index(7, 3), SIZE.index(8, 6)];
@@ -201,7 +204,7 @@ fn chances_of_a_number_of_events_add_up() {
 fn variance_of(values: &[f32], samples: &[u32]) -> f32 {
     let (size, counts) = (Size::new(1, 1), SampleCounts::uniform(1, samples.to_vec()));
     let buckets = values.iter().map(|v| flat(size, *v)).collect();
-    split(&component(buckets, &counts), &counts, &settings()).unwrap().variance.rgb(0)[1]
+    split(&component(buckets, &counts), &counts, &settings()).unwrap().low.variance.rgb(0)[1]
 }
 
 #[test]
@@ -221,15 +224,21 @@ fn the_variance_is_that_of_a_half_on_the_average() {
     let one = flat(size, 1.0);
     let buckets = (0..8).map(|_| super::super::test_scene::with_noise(&one, 0.2, &mut noise)).collect();
     let layers = split(&component(buckets, &counts), &counts, &settings()).unwrap();
-    let mean = layers.variance.channels().iter().flatten().sum::<f32>() / (3 * size.pixels()) as f32;
+    let mean = layers.low.variance.channels().iter().flatten().sum::<f32>() / (3 * size.pixels()) as f32;
     assert!((mean / (0.04 / 4.0) - 1.0).abs() < 0.05, "four buckets of variance 0.04: {mean}");
 }
 
 #[test]
-fn without_buckets_there_is_an_error() {
-    let radiance = Estimate { mean: flat(SIZE, 1.0), noise: Noise::VarianceOfMean(flat(SIZE, 0.1)) };
-    let component = Component { role: ComponentRole::Scattered, radiance };
-    let error = split(&component, &eight_each(SIZE), &settings()).unwrap_err();
+fn without_buckets_a_variance_will_do_and_without_it_there_is_an_error() {
+    let split_with = |noise: Noise| {
+        let component =
+            Component { role: ComponentRole::Scattered, radiance: Estimate { mean: flat(SIZE, 1.0), noise } };
+        split(&component, &eight_each(SIZE), &settings())
+    };
+    let layers = split_with(Noise::VarianceOfMean(flat(SIZE, 0.1))).unwrap();
+    assert!(layers.low.variance.channels().iter().flatten().all(|v| (v - 0.2).abs() < 1e-5), "that of a half");
+    assert_ne!(layers.low.halves[0], layers.low.halves[1]);
+    let error = split_with(Noise::Unknown).unwrap_err();
     assert!(matches!(error, ReconstructError::NoBuckets { layer: "noisy" }));
 }
 

@@ -67,7 +67,7 @@ pub(super) fn noisy_stack(sigma: f32, seed: u64) -> FeatureStack {
 /// What the filter sees of the stack, `exposure` times as bright.
 pub(super) fn primary_of(stack: &FeatureStack, exposure: f32) -> Primary {
     let mut radiance = stack.components[0].radiance.mean.clone();
-    let mut variance = variance_of(stack, &stack.components[0]).unwrap();
+    let mut variance = variance_of(&stack.components[0], &stack.samples).unwrap();
     radiance.channels_mut().iter_mut().flatten().for_each(|v| *v *= exposure);
     variance.channels_mut().iter_mut().flatten().for_each(|v| *v *= exposure * exposure);
     Primary::new(stack, &radiance, &variance, &PrefilterSettings::default(), &Silent).unwrap()

@@ -96,7 +96,7 @@ fn a_network_that_was_not_trained_is_the_fixed_filter() {
 
 fn rebuilt(stack: &FeatureStack) -> Reconstruction {
     let settings = Settings::default();
-    let variance = variance_of(stack, &stack.components[0]).unwrap();
+    let variance = variance_of(&stack.components[0], &stack.samples).unwrap();
     let radiance = &stack.components[0].radiance.mean;
     rebuild(stack, radiance, &variance, Tuning::Trained, &settings, &Silent).unwrap()
 }

@@ -68,14 +68,16 @@ pub fn rebuild(
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
     let halves = match &component.radiance.noise {
-        Noise::VarianceOfMean(_) => recorrupted_halves(&component.radiance.mean, &variance_of(stack, component)?),
+        Noise::VarianceOfMean(_) => {
+            recorrupted_halves(&component.radiance.mean, &variance_of(component, &stack.samples)?)
+        }
         _ => {
             let halves = component.radiance.halves(&stack.samples);
             let halves = halves.ok_or(ReconstructError::NoBuckets { layer: component.role.layer() })?;
             whole_halves(halves, &component.radiance.mean, &stack.samples)
         }
     };
-    let colour = ColourHalves { halves, variance: variance_of_half(variance_of(stack, component)?) };
+    let colour = ColourHalves { halves, variance: variance_of_half(variance_of(component, &stack.samples)?) };
     let features = half_features(stack, monitor)?;
     let (picture, mse) = denoised(&colour, &features, &settings.nfor, monitor)?;
     Ok(Reconstruction { mse, ..Reconstruction::plain(picture) })

@@ -11,8 +11,9 @@ use crate::best::choice::inputs::{Block, Inputs, LANES};
 use crate::best::features::{GuideFeatures, guide_features};
 use crate::best::light_guide::with_direct_light;
 use crate::best::piloted::Piloted;
+use crate::best::rebuild::rebuild;
+use crate::best::recipe::{Extras, Recipe};
 use crate::best::settings::BestSettings;
-use crate::best::workshop::{Extras, Workshop};
 use crate::exposure::{Exposed, exposure};
 use crate::network::Numbers;
 use crate::reconstruction::ReconstructError;
@@ -70,9 +71,9 @@ impl Example {
         let mut examples = vec![picture.example(whole, &features, None, monitor)?];
         if let Some(Parts { direct, indirect, share }) = parts {
             let of_direct = settings.for_direct_light(share);
-            let (features, extras) = (&features, Extras::default());
-            let workshop = Workshop { stack, features, beside: None, settings: &of_direct, chooser: None, extras };
-            let rebuilt = workshop.rebuild(Cow::Borrowed(&direct.component), monitor)?.picture;
+            let features = &features;
+            let recipe = Recipe { settings: &of_direct, ..picture.recipe(features, None) };
+            let rebuilt = rebuild(&recipe, Cow::Borrowed(&direct.component), monitor)?.picture;
             let guided = with_direct_light(features, &rebuilt, settings.light.direct_guide);
             examples.push(picture.example(direct, features, None, monitor)?);
             examples.push(picture.example(indirect, guided.as_ref().unwrap_or(features), Some(&rebuilt), monitor)?);
@@ -87,7 +88,12 @@ impl Example {
     }
 }
 
-impl Picture<'_> {
+impl<'a> Picture<'a> {
+    fn recipe(&self, features: &'a GuideFeatures, beside: Option<&'a Image>) -> Recipe<'a> {
+        let Self { stack, settings, .. } = *self;
+        Recipe { counts: &stack.samples, features, beside, settings, chooser: None, extras: Extras::default() }
+    }
+
     fn example(
         &self,
         light: Light,
@@ -95,14 +101,14 @@ impl Picture<'_> {
         beside: Option<&Image>,
         monitor: &dyn Monitor,
     ) -> Result<Example, ReconstructError> {
-        let Self { stack, settings, whole, pixels } = self;
-        let piloted = Piloted::new(stack, light.component, features, beside, settings, &[], monitor)?;
-        let Piloted { layers, first, .. } = &piloted;
-        let candidates = piloted.candidates(&layers.halves, first, &settings.regression, monitor)?;
+        let Self { settings, whole, pixels, .. } = self;
+        let (piloted, events) = Piloted::new(&self.recipe(features, beside), light.component, monitor)?;
+        let Piloted { given, first, .. } = &piloted;
+        let candidates = piloted.candidates(&given.low.halves, first, &settings.regression, monitor)?;
         let contest = piloted.contest(&candidates);
         let inputs = Inputs::new(&contest, &settings.choice);
         let blocks: Vec<Block> = pixels.iter().map(|pixels| inputs.block(pixels)).collect();
-        let answer = |pixels| Answer::new(&contest, &piloted.spread, [&light.references, whole], pixels);
+        let answer = |pixels| Answer::new(&contest, &events.light, [&light.references, whole], pixels);
         let answers: Vec<Answer> = pixels.iter().map(answer).collect();
         let norm = norm_of(errors_of_rule(&blocks, &answers));
         Ok(Example { blocks, answers, norm })

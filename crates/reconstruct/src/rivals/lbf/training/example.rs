@@ -37,7 +37,7 @@ impl Example {
         let scattered = components.iter().find(|component| component.role == ComponentRole::Scattered);
         let layer = ComponentRole::Scattered.layer();
         let scattered = scattered.ok_or(ReconstructError::NoiseUnknown { layer })?;
-        let variance = variance_of(stack, scattered)?;
+        let variance = variance_of(scattered, &stack.samples)?;
         let primary = Primary::new(stack, &scattered.radiance.mean, &variance, settings, monitor)?;
         let inputs = secondary(&primary);
         let reference = [0, 1, 2].map(|c| reference.channels()[c].clone());

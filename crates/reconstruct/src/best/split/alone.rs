@@ -2,7 +2,7 @@
 
 use stack::Image;
 
-use super::split::{Events, LEAST_VARIANCE, Layers};
+use super::layers::{Events, LEAST_VARIANCE, Layers, LowLayer};
 use crate::lone_light::share_like_neighbours;
 use crate::recorruption::{coin, recorrupted_halves};
 use crate::variance::{known_everywhere, steadied};
@@ -18,8 +18,10 @@ pub fn split_alone(mean: &Image, variance: &Image) -> Layers {
     let energy: Vec<f32> =
         kept.iter().enumerate().map(|(i, kept)| (1.0 - kept) * mean.rgb(i).iter().sum::<f32>()).collect();
     Layers {
-        halves: recorrupted_halves(&low, &variance),
-        variance: steadied(scaled(&variance, |_| 2.0), LEAST_VARIANCE),
+        low: LowLayer {
+            halves: recorrupted_halves(&low, &variance),
+            variance: steadied(scaled(&variance, |_| 2.0), LEAST_VARIANCE),
+        },
         events: Events { light: [cut(true), cut(false)], squares: energy.iter().map(|e| e * e).collect(), energy },
     }
 }
@@ -33,8 +35,8 @@ fn scaled(image: &Image, factor: impl Fn(usize) -> f32) -> Image {
 
 #[cfg(test)]
 mod tests {
-    use super::super::test_scene::{flat, image};
     use super::*;
+    use crate::best::test_scene::{flat, image};
     use stack::Size;
 
     const SIZE: Size = Size::new(20, 16);
@@ -54,7 +56,7 @@ mod tests {
         assert!((layers.events.energy[spike] - 144.0).abs() < 1e-3);
         assert!((layers.events.concentration(spike) - 1.0).abs() < 1e-6);
         for i in 0..SIZE.pixels() {
-            let low = 0.5 * (layers.halves[0].rgb(i)[1] + layers.halves[1].rgb(i)[1]);
+            let low = 0.5 * (layers.low.halves[0].rgb(i)[1] + layers.low.halves[1].rgb(i)[1]);
             let events = layers.events.light[0].rgb(i)[1] + layers.events.light[1].rgb(i)[1];
             assert!((low + events - mean.rgb(i)[1]).abs() < 1e-5, "{i}");
             assert_eq!(layers.events.energy[i] > 0.0, i == spike);
@@ -65,6 +67,6 @@ mod tests {
     fn a_pixel_by_itself_is_whole() {
         let one = image(Size::new(1, 1), |_, _, _| 3.0);
         let layers = split_alone(&one, &image(Size::new(1, 1), |_, _, _| 0.0));
-        assert_eq!(layers.halves, [one.clone(), one]);
+        assert_eq!(layers.low.halves, [one.clone(), one]);
     }
 }
