@@ -2,10 +2,10 @@
 """Trains the network that says how far `tamis denoise --guide` follows a guide.
 
     tamis experiment guide FOLDER… -o DIR          (writes DIR/*.lesson, a file for each stack and guide)
-    python scripts/train_guide.py DIR… -o crates/reconstruct/src/guide/weights.txt
+    python scripts/train_guide.py DIR… -o crates/reconstruct/src/blend/weights.txt
 
 A lesson holds rows of little-endian 32-bit floats: the network's inputs at a pixel, what is added to the logit of its
-weight there (crates/reconstruct/src/guide/stakes.rs), then N = <d, t − x>, D = <d, d> and E = <x − r1, x − r2> there, and the error of the better of picture and guide (crates/cli/src/experiment/guide/lesson.rs).
+weight there (crates/reconstruct/src/blend/stakes.rs), then N = <d, t − x>, D = <d, d> and E = <x − r1, x − r2> there, and the error of the better of picture and guide (crates/cli/src/experiment/guide/lesson.rs).
 A weight w costs E + w²D − 2wN; the loss is the mean of w²D − 2wN over that error. Needs numpy; a few minutes on one
 core. The same seed gives the same weights on the same machine.
 """

@@ -64,7 +64,7 @@ fn fault(error: &(dyn std::error::Error + 'static)) -> Option<Fault> {
         tracer::camera::CameraError,
         tracer::film::NotAFilm,
         reconstruct::ReconstructError,
-        reconstruct::guide::GuideError,
+        reconstruct::blend::BlendError,
         reconstruct::metrics::ComparisonError
     );
     if error.is::<UsageError>() || error.is::<stack::KnobError>() {

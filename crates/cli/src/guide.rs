@@ -4,20 +4,20 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use reconstruct::Reconstruction;
-use reconstruct::guide::{check_guide, guided};
+use reconstruct::blend::{blend, check_size};
 use serde_json::{Value, json};
 use stack::{FeatureStack, Image, Size};
 
 use crate::any_picture::read_any_picture;
 use crate::progress::Progress;
 
-/// A picture to be guided by.
+/// A picture to mix in.
 pub struct Guide {
     file: PathBuf,
     picture: Image,
 }
 
-/// A guide, and how far it was followed.
+/// Which picture was mixed in, and how far it was followed.
 pub struct Followed {
     file: PathBuf,
     mean_weight: f64,
@@ -30,7 +30,7 @@ impl Guide {
     /// When it cannot be read, holds no colour, or has another size.
     pub fn read(file: &Path, size: Size) -> Result<Self> {
         let (picture, _) = read_any_picture(file).context("--guide")?;
-        check_guide(&picture, size).with_context(|| format!("--guide {}", file.display()))?;
+        check_size(&picture, size).with_context(|| format!("--guide {}", file.display()))?;
         Ok(Self { file: file.into(), picture })
     }
 
@@ -45,9 +45,9 @@ impl Guide {
         settings: &reconstruct::Settings,
         progress: &Progress,
     ) -> Result<Followed> {
-        let guided = guided(stack, rebuilt, &self.picture, settings, progress)?;
-        let mean_weight = guided.mean_weight();
-        rebuilt.picture = guided.picture;
+        let blend = blend(stack, rebuilt, &self.picture, settings, progress)?;
+        let mean_weight = blend.mean_weight();
+        rebuilt.picture = blend.picture;
         if !settings.method.is_collaborative() {
             progress.say("guides help --preset best and fast; with this method a better guide may be better alone");
         }

@@ -9,6 +9,7 @@
 pub mod adaptive;
 mod bands;
 pub mod best;
+pub mod blend;
 mod block_matching;
 pub mod box_filter;
 mod collaborative;
@@ -18,7 +19,6 @@ mod eight;
 mod emission;
 mod exp;
 mod exposure;
-pub mod guide;
 mod lack;
 mod ln;
 mod lone_light;

@@ -4,13 +4,23 @@
 use rayon::prelude::*;
 use stack::{Cancelled, Monitor, Size};
 
-use crate::collaborative::Guide;
 use crate::exp::exp_of_negative;
-use crate::patch_distance::PatchDistance;
+use crate::patch_distance::{Comparison, NoisyPlanes, PatchDistance};
 use crate::rectangle::{Rectangle, put_together, tiles_of};
 
 /// Side of the tiles that are filtered one by one.
 const TILE: usize = 64;
+
+/// What tells which pixels resemble each other.
+#[derive(Clone, Copy, Debug)]
+pub struct Guide<'a> {
+    /// The planes that are compared.
+    pub planes: NoisyPlanes<'a>,
+    /// How their patches are compared.
+    pub comparison: Comparison,
+    /// Radius of the window, in pixels.
+    pub radius: usize,
+}
 
 /// How many units [`nl_means`] reports.
 pub fn units(size: Size) -> u64 {

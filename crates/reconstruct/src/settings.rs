@@ -1,8 +1,8 @@
 //! Every setting of the reconstruction.
 
 use crate::best::BestSettings;
+use crate::blend::settings::BlendSettings;
 use crate::completion::CompletionSettings;
-use crate::guide::settings::GuideSettings;
 use crate::method::MethodSettings;
 use crate::prefilter::PrefilterSettings;
 use crate::regression::RegressionSettings;
@@ -36,7 +36,7 @@ stack::knob_groups! {
         /// The learning-based filter.
         lbf: LbfSettings,
         /// Another denoiser's picture.
-        guide: GuideSettings,
+        guide: BlendSettings,
     }
 }
 

@@ -4,7 +4,7 @@ mod kinds;
 mod lesson;
 
 use anyhow::{Context, Result};
-use reconstruct::guide::Hearing;
+use reconstruct::blend::Pair;
 use reconstruct::metrics::Comparison;
 use reconstruct::{Reconstruction, reconstruct};
 use stack::Image;
@@ -60,12 +60,12 @@ fn judge(
     progress: &Progress,
 ) -> Result<Judged> {
     let Kind { name, picture, references } = kind;
-    let hearing = Hearing::new(&case.stack, rebuilt, &picture, &settings.reconstruction, progress)?;
-    let found = hearing.verdict(settings.reconstruction.guide.strength)?;
+    let pair = Pair::new(&case.stack, rebuilt, &picture, &settings.reconstruction, progress)?;
+    let found = pair.blended(settings.reconstruction.guide.strength)?;
     let file = args.output.join(format!("{}-{}.exr", case.name, name.replace(' ', "_")));
     write_picture(&file, &found.picture)?;
     let references = references.as_ref().unwrap_or(&case.references);
-    write_lesson(&file.with_extension("lesson"), &hearing, [&rebuilt.picture, &picture], references)?;
+    write_lesson(&file.with_extension("lesson"), &pair, [&rebuilt.picture, &picture], references)?;
     let of = |picture: &Image| judged_by(picture, references).with_context(|| case.name.clone());
     Ok(Judged {
         kind: name,

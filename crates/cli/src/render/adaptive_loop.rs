@@ -204,7 +204,7 @@ impl State<'_> {
     fn trace_now(&mut self, map: &SampleMap) -> Result<()> {
         let Sampling { scene, camera, settings, progress, .. } = self.sampling;
         let begun = Instant::now();
-        match trace(scene, camera, &mut self.film, map, &settings.trace, &WithinStage(progress)) {
+        match trace(scene, camera, &mut self.film, map, &settings.trace, &SameStage(progress)) {
             Ok(report) => self.report = self.report.plus(report),
             Err(TraceError::Cancelled(report)) => {
                 self.report = self.report.plus(report);
@@ -299,10 +299,10 @@ fn round(counts: &SampleCounts, time: &TimeLeft, estimated_rmse: Option<f64>) ->
     Round { spp, estimated_rmse, seconds: time.spent() }
 }
 
-/// Tells a monitor of work within a stage that has begun already.
-struct WithinStage<'a>(&'a Progress);
+/// Tells of work within a stage that has begun already: all but its beginning.
+struct SameStage<'a>(&'a Progress);
 
-impl Monitor for WithinStage<'_> {
+impl Monitor for SameStage<'_> {
     fn advance(&self, units: u64) {
         self.0.advance(units);
     }

@@ -6,9 +6,9 @@ use stack::{Component, ComponentRole, Image, Monitor, SampleCounts};
 
 use super::choice::Chooser;
 use super::error::share_unseen;
-use super::features::GuideFeatures;
+use super::features::CleanFeatures;
 use super::indirect::Light;
-use super::light_guide::with_direct_light;
+use super::light_features::with_direct_light;
 use super::rebuild::rebuild;
 use super::recipe::{Extras, Recipe};
 use crate::Settings;
@@ -34,7 +34,7 @@ impl<'a> Components<'a> {
     /// When the network would be asked about candidates that it does not know.
     pub fn new(
         counts: &'a SampleCounts,
-        features: &'a GuideFeatures,
+        features: &'a CleanFeatures,
         settings: &'a Settings,
         chooser: Option<&'a Chooser>,
         extras: Extras<'a>,

@@ -5,7 +5,7 @@ mod parting;
 use rayon::prelude::*;
 use stack::{Cancelled, Image, Monitor, SampleCounts, planes_of_zeros};
 
-use super::guided_kernel::Taps;
+use super::edge_avoiding::Taps;
 use super::halves::luminance;
 use super::settings::CascadeSettings;
 use crate::per_pixel::{plane, planes_by_eight};

@@ -17,8 +17,8 @@ mod weights;
 use rayon::prelude::*;
 use stack::Image;
 
-use super::features::GuideFeatures;
-use super::guided_kernel::GuidedKernel;
+use super::edge_avoiding::EdgeAvoidingKernel;
+use super::features::CleanFeatures;
 use super::settings::ChoiceSettings;
 use super::split::LowLayer;
 use crate::bands::{bands, image_rows};
@@ -60,14 +60,14 @@ pub struct Contest<'a> {
     /// The picture that guided the candidates.
     pub pilot: &'a Image,
     /// Features.
-    pub features: &'a GuideFeatures,
+    pub features: &'a CleanFeatures,
 }
 
 impl Contest<'_> {
     /// What smooths errors.
-    fn kernel(&self, settings: &ChoiceSettings) -> GuidedKernel<'_> {
+    fn kernel(&self, settings: &ChoiceSettings) -> EdgeAvoidingKernel<'_> {
         let ChoiceSettings { feature_scale, brightness, .. } = *settings;
-        GuidedKernel::surfaces_and_brightness(self.features, self.pilot, feature_scale, brightness)
+        EdgeAvoidingKernel::on_surfaces_of_like_brightness(self.features, self.pilot, feature_scale, brightness)
     }
 }
 

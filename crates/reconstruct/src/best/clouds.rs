@@ -3,7 +3,7 @@
 use stack::{Cancelled, Image, Monitor};
 
 use super::cascade::{Parts, Scrutiny, add_significant_residual, relative_to};
-use super::guided_kernel::Taps;
+use super::edge_avoiding::Taps;
 use super::settings::CloudSettings;
 
 /// The `mean` of both `halves` of a picture without wide differences that only one of them shows; `taps` are those of a
@@ -33,7 +33,7 @@ pub fn without_clouds(
 mod tests {
     use stack::{Silent, Size};
 
-    use super::super::guided_kernel::GuidedKernel;
+    use super::super::edge_avoiding::EdgeAvoidingKernel;
     use super::super::halves::mean_of;
     use super::super::test_scene::{error, flat, image, two_halves};
     use super::*;
@@ -51,7 +51,7 @@ mod tests {
 
     fn clear(halves: &[Image; 2], settings: &CloudSettings) -> Image {
         let (features, mean) = (two_halves(SIZE), mean_of(halves));
-        let kernel = GuidedKernel::surfaces_and_brightness(&features, &mean, 0.3, 0.3);
+        let kernel = EdgeAvoidingKernel::on_surfaces_of_like_brightness(&features, &mean, 0.3, 0.3);
         without_clouds(mean.clone(), halves, |step| kernel.taps(step), settings, &Silent).unwrap()
     }
 

@@ -2,7 +2,7 @@
 
 use stack::Image;
 
-use super::guided_kernel::GuidedKernel;
+use super::edge_avoiding::EdgeAvoidingKernel;
 use super::halves::luminance;
 use super::settings::ErrorSettings;
 use crate::box_filter::box_mean;
@@ -20,7 +20,7 @@ pub fn estimated_error(
     halves: &[Image; 2],
     events: &[f32],
     picture: &Image,
-    kernel: &GuidedKernel,
+    kernel: &EdgeAvoidingKernel,
     settings: &ErrorSettings,
 ) -> Vec<f32> {
     let around = box_mean(&luminance(picture), picture.size(), 1);
@@ -80,7 +80,7 @@ mod tests {
         let mut noise = TestNoise(5);
         let halves = [image(&mut noise, 1.0, 0.2), image(&mut noise, 1.0, 0.2)];
         let picture = Image::from_channels(SIZE, vec![vec![1.0; SIZE.pixels()]; 3]);
-        let kernel = GuidedKernel::new(SIZE, Vec::new(), 1.0);
+        let kernel = EdgeAvoidingKernel::new(SIZE, Vec::new(), 1.0);
         let settings = ErrorSettings { halves: 1.0, events: 1.0 };
         let found = estimated_error(&halves, &vec![0.0; SIZE.pixels()], &picture, &kernel, &settings);
         let truth: f32 = (0..3)
@@ -106,7 +106,7 @@ mod tests {
         });
         let plane: Vec<f32> = (0..SIZE.pixels()).map(|i| if left(i) { 100.0 } else { 0.1 }).collect();
         let picture = Image::from_channels(SIZE, vec![plane; 3]);
-        let kernel = GuidedKernel::new(SIZE, Vec::new(), 1.0);
+        let kernel = EdgeAvoidingKernel::new(SIZE, Vec::new(), 1.0);
         let settings = ErrorSettings { halves: 1.0, events: 1.0 };
         let found = estimated_error(&halves, &vec![0.0; SIZE.pixels()], &picture, &kernel, &settings);
         let dark: Vec<f32> = (0..SIZE.pixels()).filter(|i| i % SIZE.width > 33).map(|i| found[i]).collect();

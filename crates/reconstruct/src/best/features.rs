@@ -10,15 +10,14 @@ use super::by_others::{Rebuilding, rebuilt_by_others};
 use super::natural::{natural_scale, natural_variances};
 use super::settings::{BestSettings, FeatureSettings};
 use crate::bands::rows_of;
-use crate::collaborative::Guide;
 use crate::completion::has_depth;
-use crate::nl_means::{nl_means, units};
+use crate::nl_means::{Guide, nl_means, units};
 use crate::patch_distance::{Comparison, NoisyPlanes};
-use crate::prefilter::{FeatureSet, PrefilterError, VarianceSource, check, guides, normalised};
+use crate::prefilter::{FeatureSet, PrefilterError, VarianceSource, check, normalised, regressors};
 
 /// Features that explain a picture, and those among them that tell surfaces apart.
 #[derive(Clone, Debug, PartialEq)]
-pub struct GuideFeatures {
+pub struct CleanFeatures {
     /// All of them. Albedo and visibility fill a range of 1, normals one of 2, positions one of 1 along the longest
     /// side of their box.
     pub set: FeatureSet,
@@ -28,7 +27,7 @@ pub struct GuideFeatures {
     pub flat: bool,
 }
 
-impl GuideFeatures {
+impl CleanFeatures {
     /// Some `rows` of all of them.
     pub(super) fn rows(&self, rows: &Range<usize>) -> Self {
         let FeatureSet { size, planes, groups } = &self.set;
@@ -85,44 +84,44 @@ impl GuideFeatures {
 ///
 /// # Errors
 /// When there is no feature, one has a wrong shape, or `monitor` cancels.
-pub fn guide_features(
+pub fn clean_features(
     stack: &FeatureStack,
     settings: &BestSettings,
     monitor: &dyn Monitor,
-) -> Result<GuideFeatures, PrefilterError> {
-    let guiding = Guiding::of(stack)?;
-    guiding.filtered(stack.features.iter().map(Cow::Borrowed), &stack.samples, settings, monitor)
+) -> Result<CleanFeatures, PrefilterError> {
+    let regressors = Regressors::of(stack)?;
+    regressors.filtered(stack.features.iter().map(Cow::Borrowed), &stack.samples, settings, monitor)
 }
 
 /// The same, but takes the features out of the `stack`: each is freed as soon as it is filtered.
 ///
 /// # Errors
 /// As there.
-pub fn guide_features_freeing(
+pub fn clean_features_freeing(
     stack: &mut FeatureStack,
     settings: &BestSettings,
     monitor: &dyn Monitor,
-) -> Result<GuideFeatures, PrefilterError> {
-    let guiding = Guiding::of(stack)?;
+) -> Result<CleanFeatures, PrefilterError> {
+    let regressors = Regressors::of(stack)?;
     let features = std::mem::take(&mut stack.features);
-    guiding.filtered(features.into_iter().map(Cow::Owned), &stack.samples, settings, monitor)
+    regressors.filtered(features.into_iter().map(Cow::Owned), &stack.samples, settings, monitor)
 }
 
-/// Which features of a stack guide.
-struct Guiding {
+/// Which features of a stack explain its radiance.
+struct Regressors {
     size: Size,
     roles: Vec<FeatureRole>,
-    /// See [`GuideFeatures`].
+    /// See [`CleanFeatures`].
     flat: bool,
 }
 
-impl Guiding {
+impl Regressors {
     fn of(stack: &FeatureStack) -> Result<Self, PrefilterError> {
         let next = stack.features.iter().filter(|feature| feature.role.is_of_next_surface());
         next.into_iter().try_for_each(|feature| check(feature, stack.size()))?;
         Ok(Self {
             size: stack.size(),
-            roles: guides(stack)?.into_iter().map(|feature| feature.role).collect(),
+            roles: regressors(stack)?.into_iter().map(|feature| feature.role).collect(),
             flat: stack.feature(FeatureRole::Normal).is_none() && !has_depth(stack),
         })
     }
@@ -133,7 +132,7 @@ impl Guiding {
         counts: &SampleCounts,
         settings: &BestSettings,
         monitor: &dyn Monitor,
-    ) -> Result<GuideFeatures, PrefilterError> {
+    ) -> Result<CleanFeatures, PrefilterError> {
         let Self { size, roles, flat } = self;
         let FeatureSettings { next, next_bandwidth, visibility_bandwidth, .. } = settings.features;
         let is_noisy = |role| role == FeatureRole::Visibility && visibility_bandwidth > 0.0;
@@ -147,7 +146,7 @@ impl Guiding {
             }
         }
         let set = FeatureSet { size, planes: Vec::new(), groups: Vec::new() };
-        let mut all = GuideFeatures { set, surfaces: Vec::new(), flat };
+        let mut all = CleanFeatures { set, surfaces: Vec::new(), flat };
         monitor.begin("prefilter", units(size) * plain.len() as u64);
         for feature in plain {
             all.add(&[feature.role], filtered(&feature, counts, &settings.features, monitor)?);

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use stack::SampleCounts;
 
-use super::features::GuideFeatures;
+use super::features::CleanFeatures;
 use super::halves::{luminance, mean_of};
 use super::settings::FitSettings;
 use super::split::LowLayer;
@@ -23,12 +23,12 @@ pub struct Given<'a> {
     /// Samples of every pixel over their mean, where that counts.
     pub samples: Option<Vec<f32>>,
     /// What explains it.
-    pub features: Cow<'a, GuideFeatures>,
+    pub features: Cow<'a, CleanFeatures>,
 }
 
 impl<'a> Given<'a> {
     /// A layer whose pixels have so many samples (`counts`), explained by `features`.
-    pub fn new(low: LowLayer, counts: &SampleCounts, features: &'a GuideFeatures, settings: &FitSettings) -> Self {
+    pub fn new(low: LowLayer, counts: &SampleCounts, features: &'a CleanFeatures, settings: &FitSettings) -> Self {
         let (noise, samples) = (relative_noise(&low), share_of_samples(counts, settings));
         Self { low, noise, samples, features: Cow::Borrowed(features) }
     }

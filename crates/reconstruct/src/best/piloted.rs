@@ -7,12 +7,12 @@ use stack::{Cancelled, Component, Image, Monitor, Noise, SampleCounts};
 
 use super::cascade::{Parts, add_significant_residual, relative_to};
 use super::choice::Contest;
-use super::features::GuideFeatures;
+use super::edge_avoiding::EdgeAvoidingKernel;
+use super::features::CleanFeatures;
 use super::first_pass::first_pass;
 use super::given::Given;
-use super::guided_kernel::GuidedKernel;
 use super::halves::mean_of;
-use super::light_guide::with_colour;
+use super::light_features::with_colour;
 use super::passes::{Pass, low_layers, through_first_pass};
 use super::recipe::Recipe;
 use super::second_pass::second_pass;
@@ -29,7 +29,7 @@ use crate::variance::known_everywhere;
 pub struct Piloted<'a> {
     pub given: Given<'a>,
     /// The features with colours, where they alone do not tell surfaces apart.
-    coloured: Option<GuideFeatures>,
+    coloured: Option<CleanFeatures>,
     /// What guides the second pass: first pass, spread events, and what the residual significantly holds.
     pub pilot: Image,
     /// Both halves of the first pass.
@@ -80,7 +80,7 @@ impl<'a> Piloted<'a> {
         let light = steadied(spread.halves, &pilot, surfaces, &settings.spread, monitor)?;
         pilot.add(&light);
         if let Some(parts) = parts {
-            let kernel = GuidedKernel::surfaces(surfaces, settings.cascade.feature_scale);
+            let kernel = EdgeAvoidingKernel::on_surfaces(surfaces, settings.cascade.feature_scale);
             let relative = relative_to(&pilot);
             let scrutiny = settings.cascade.scrutiny(parts.count());
             add_significant_residual(&mut pilot, parts, relative, |step| kernel.taps(step), scrutiny, monitor)?;
@@ -117,7 +117,7 @@ impl<'a> Piloted<'a> {
     }
 
     /// What tells surfaces apart.
-    pub fn surfaces(&self) -> &GuideFeatures {
+    pub fn surfaces(&self) -> &CleanFeatures {
         self.coloured.as_ref().unwrap_or(&self.given.features)
     }
 

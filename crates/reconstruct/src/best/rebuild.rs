@@ -5,8 +5,8 @@ use std::borrow::Cow;
 use stack::{Component, Image, Monitor};
 
 use super::clouds::without_clouds;
+use super::edge_avoiding::EdgeAvoidingKernel;
 use super::error::estimated_error;
-use super::guided_kernel::GuidedKernel;
 use super::halves::{mean_of, sum_of};
 use super::passes::add_up_to;
 use super::piloted::Piloted;
@@ -31,7 +31,12 @@ pub fn rebuild(
     picture.add(&events.light);
     picture.channels_mut().iter_mut().flatten().for_each(|v| *v = v.max(0.0));
     let ChoiceSettings { feature_scale, brightness, .. } = recipe.settings.choice;
-    let kernel = GuidedKernel::surfaces_and_brightness(piloted.surfaces(), &piloted.pilot, feature_scale, brightness);
+    let kernel = EdgeAvoidingKernel::on_surfaces_of_like_brightness(
+        piloted.surfaces(),
+        &piloted.pilot,
+        feature_scale,
+        brightness,
+    );
     Ok(Reconstruction {
         mse: estimated_error(&halves, &events.variance, &picture, &kernel, &recipe.settings.error),
         spikes: Some(sum_of(&events.cut.light)),
@@ -51,7 +56,8 @@ fn cleared_and_restored(
     let settings = recipe.settings;
     let mean = mean_of(halves);
     let RestoreSettings { feature_scale, brightness, .. } = settings.restore;
-    let kernel = GuidedKernel::surfaces_and_brightness(piloted.surfaces(), &mean, feature_scale, brightness);
+    let kernel =
+        EdgeAvoidingKernel::on_surfaces_of_like_brightness(piloted.surfaces(), &mean, feature_scale, brightness);
     let mut loss = Loss::new(&mean, &piloted.given.low.halves, &kernel, &settings.restore);
     let mut picture = without_clouds(mean, halves, |step| loss.taps(step), &settings.clouds, monitor)?;
     loss.give_back(&mut picture);

@@ -3,7 +3,7 @@
 use stack::{Image, SampleCounts};
 
 use super::choice::Chooser;
-use super::features::GuideFeatures;
+use super::features::CleanFeatures;
 use super::settings::BestSettings;
 
 /// What a component of scattered light is rebuilt with.
@@ -12,7 +12,7 @@ pub struct Recipe<'a> {
     /// Samples of the stack that it comes from.
     pub counts: &'a SampleCounts,
     /// What explains it.
-    pub features: &'a GuideFeatures,
+    pub features: &'a CleanFeatures,
     /// Light of the same picture that was rebuilt before, where it says where there is likely more of the rest.
     pub beside: Option<&'a Image>,
     /// How.

@@ -7,7 +7,7 @@ use stack::{Component, ComponentRole, FeatureStack, Image, Monitor};
 
 use super::by_component::Components;
 use super::choice::Chooser;
-use super::features::{guide_features, guide_features_freeing};
+use super::features::{clean_features, clean_features_freeing};
 use super::indirect::{IndirectLight, Light};
 use super::recipe::Extras;
 use crate::Settings;
@@ -28,7 +28,7 @@ pub fn reconstruct(
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
     let light = &settings.best.light;
-    let features = guide_features(stack, &settings.best, monitor)?;
+    let features = clean_features(stack, &settings.best, monitor)?;
     let exposure = exposure(&stack.components, light.usual_brightness());
     let components = Components::new(&stack.samples, &features, settings, chooser, extras, exposure)?;
     sum_of_components(stack.size(), &stack.components, |component| {
@@ -60,7 +60,7 @@ pub fn reconstruct_freeing(
         lights.push(Light::of(Cow::Owned(component), indirect, &stack.samples, light, exposure));
     }
     drop(indirect);
-    let features = guide_features_freeing(&mut stack, &settings.best, monitor)?;
+    let features = clean_features_freeing(&mut stack, &settings.best, monitor)?;
     let components = Components::new(&stack.samples, &features, settings, chooser, extras, exposure)?;
     let mut sum = Reconstruction::plain(Image::zeros(stack.size(), 3));
     // The last first: emission is soon done with.

@@ -5,13 +5,13 @@ use std::array::from_fn;
 use rayon::prelude::*;
 use stack::Image;
 
-use super::guided_kernel::{GuidedKernel, Taps};
+use super::edge_avoiding::{EdgeAvoidingKernel, Taps};
 use super::settings::RestoreSettings;
 
 /// Light that a picture lacks against the noisy halves it was made from, over pixels ever farther away: fits that weigh
 /// residuals by relative error shade bright pixels.
 pub struct Loss<'a> {
-    kernel: &'a GuidedKernel<'a>,
+    kernel: &'a EdgeAvoidingKernel<'a>,
     settings: &'a RestoreSettings,
     /// Both halves and the picture, smoothed so many times, each twice as wide as the one before.
     planes: Vec<Vec<f32>>,
@@ -20,7 +20,12 @@ pub struct Loss<'a> {
 
 impl<'a> Loss<'a> {
     /// That of `picture` against `halves`, among pixels that are alike to `kernel`.
-    pub fn new(picture: &Image, halves: &[Image; 2], kernel: &'a GuidedKernel, settings: &'a RestoreSettings) -> Self {
+    pub fn new(
+        picture: &Image,
+        halves: &[Image; 2],
+        kernel: &'a EdgeAvoidingKernel,
+        settings: &'a RestoreSettings,
+    ) -> Self {
         let images = halves.iter().chain([picture]).filter(|_| settings.levels > 0);
         let planes = images.flat_map(|image| image.channels()).cloned().collect();
         Self { kernel, settings, planes, level: 0 }
@@ -80,7 +85,7 @@ mod tests {
     fn restored(picture: &Image, halves: &[Image; 2]) -> Image {
         let mut restored = picture.clone();
         let features = two_halves(SIZE);
-        let kernel = GuidedKernel::surfaces_and_brightness(&features, picture, 0.3, 0.2);
+        let kernel = EdgeAvoidingKernel::on_surfaces_of_like_brightness(&features, picture, 0.3, 0.2);
         let settings = RestoreSettings { limit: 1.2, ..RestoreSettings::default() };
         Loss::new(picture, halves, &kernel, &settings).give_back(&mut restored);
         restored

@@ -61,7 +61,7 @@ stack::knobs! {
 }
 
 stack::knobs! {
-    /// What guides kernels where no feature tells surfaces apart.
+    /// What kernels go by where no feature tells surfaces apart.
     pub struct ColourSettings("colour") {
         /// Weight of a difference in the logarithm of the first pass's picture against one in features; 0 leaves it to the
         /// brightness that each step looks at.
@@ -70,7 +70,7 @@ stack::knobs! {
 }
 
 stack::knobs! {
-    /// How features are freed of noise before they guide a collaborative fit.
+    /// How features are freed of noise before a collaborative fit explains light by them.
     pub struct FeatureSettings("features") {
         /// Bandwidth k of the non-local means.
         bandwidth: f32 = 1.2, 0.01..=100.0;

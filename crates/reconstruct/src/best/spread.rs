@@ -8,8 +8,8 @@ use rayon::prelude::*;
 use stack::{Cancelled, Image, Monitor, Size};
 
 use super::cascade::{Parts, Scrutiny, add_significant_residual, relative_to};
-use super::features::GuideFeatures;
-use super::guided_kernel::GuidedKernel;
+use super::edge_avoiding::EdgeAvoidingKernel;
+use super::features::CleanFeatures;
 use super::halves::sum_of;
 use super::settings::SpreadSettings;
 use super::split::Events;
@@ -38,14 +38,19 @@ pub struct Spread {
 /// The light of `events`, spread. Each is spread just so wide that the surroundings it shares hold enough others; its
 /// kernel is a Gaussian times the likeness of pixels in `features` and in the brightness of `picture`, and sums to one.
 /// Brighter pixels take more of it, for there it may have met with more.
-pub fn spread(events: &Events, picture: &Image, features: &GuideFeatures, settings: &SpreadSettings) -> Spread {
+pub fn spread(events: &Events, picture: &Image, features: &CleanFeatures, settings: &SpreadSettings) -> Spread {
     let size = picture.size();
     let brightness = plane(size.pixels(), |pixel| finite_in_the_dark(picture.mean_at(pixel)));
-    let guides = guides(&brightness, features, settings);
-    let occurrences = Occurrences::new(events, &guides, size, settings.events);
+    let separators = separators(&brightness, features, settings);
+    let occurrences = Occurrences::new(events, &separators, size, settings.events);
     let shares = plane(size.pixels(), |pixel| brightness[pixel].powf(settings.share));
-    let task =
-        |tile: &Rectangle| TileTask { size, guides: &guides, shares: &shares, occurrences: &occurrences, tile: *tile };
+    let task = |tile: &Rectangle| TileTask {
+        size,
+        separators: &separators,
+        shares: &shares,
+        occurrences: &occurrences,
+        tile: *tile,
+    };
     let parts: Vec<(Rectangle, Vec<Vec<f32>>)> =
         tiles_of(size, TILE).par_iter().map(|tile| pulp::Arch::new().dispatch(task(tile))).collect();
     let mut spread = Spread { halves: [0, 1].map(|_| Image::zeros(size, 3)), variance: vec![0.0; size.pixels()] };
@@ -70,7 +75,7 @@ pub fn spread(events: &Events, picture: &Image, features: &GuideFeatures, settin
 pub fn steadied(
     halves: [Image; 2],
     picture: &Image,
-    features: &GuideFeatures,
+    features: &CleanFeatures,
     settings: &SpreadSettings,
     monitor: &dyn Monitor,
 ) -> Result<Image, Cancelled> {
@@ -83,7 +88,12 @@ pub fn steadied(
     let relative = relative_to(&brightness);
     drop((sum, brightness));
     let SpreadSettings { levels, significance, feature_scale, .. } = *settings;
-    let kernel = GuidedKernel::surfaces_and_brightness(features, picture, feature_scale, settings.brightness.powi(2));
+    let kernel = EdgeAvoidingKernel::on_surfaces_of_like_brightness(
+        features,
+        picture,
+        feature_scale,
+        settings.brightness.powi(2),
+    );
     let mut steady = Image::zeros(picture.size(), 3);
     let scrutiny = Scrutiny { levels, trusted: 0, significance, gain: 1.0 };
     let taps = |step| kernel.taps(step);
@@ -91,8 +101,8 @@ pub fn steadied(
     Ok(steady)
 }
 
-/// What separates pixels, scaled so that their likeness is exp(−Σ Δ²).
-fn guides(brightness: &[f32], features: &GuideFeatures, settings: &SpreadSettings) -> Vec<Vec<f32>> {
+/// Planes that separate pixels, scaled so that their likeness is exp(−Σ Δ²).
+fn separators(brightness: &[f32], features: &CleanFeatures, settings: &SpreadSettings) -> Vec<Vec<f32>> {
     let scale = std::f32::consts::FRAC_1_SQRT_2 / settings.feature_scale;
     let pixels = brightness.len();
     let scaled = |values: &[f32]| plane(pixels, |pixel| scale * values[pixel]);
@@ -111,7 +121,8 @@ const SUMS: usize = 7;
 
 struct TileTask<'a> {
     size: Size,
-    guides: &'a [Vec<f32>],
+    /// See [`separators`].
+    separators: &'a [Vec<f32>],
     /// What a pixel takes of an event, beside its likeness.
     shares: &'a [f32],
     occurrences: &'a Occurrences,
@@ -171,8 +182,8 @@ impl TileTask<'_> {
         let across = row.abs_diff(y).pow(2);
         weights.extend(columns.clone().map(|column| scale * (column.abs_diff(x).pow(2) + across) as f32));
         let weights = &mut weights[first..];
-        for guide in self.guides {
-            let (own, there) = (guide[own], &guide[self.size.index(columns.start, row)..][..columns.len()]);
+        for plane in self.separators {
+            let (own, there) = (plane[own], &plane[self.size.index(columns.start, row)..][..columns.len()]);
             weights.iter_mut().zip(there).for_each(|(sum, v)| *sum += (v - own) * (v - own));
         }
         let shares = &self.shares[self.size.index(columns.start, row)..][..columns.len()];

@@ -4,7 +4,7 @@ use stack::{
     Component, ComponentRole, Estimate, Feature, FeatureRole, FeatureStack, Image, Noise, SampleCounts, Size, Window,
 };
 
-use super::features::GuideFeatures;
+use super::features::CleanFeatures;
 use super::split::{Events, Layers, LowLayer};
 use crate::prefilter::FeatureSet;
 use crate::test_noise::TestNoise;
@@ -39,14 +39,14 @@ pub fn energy(image: &Image) -> f64 {
 }
 
 /// Features whose every plane tells surfaces apart.
-pub fn features(size: Size, planes: Vec<Vec<f32>>) -> GuideFeatures {
+pub fn features(size: Size, planes: Vec<Vec<f32>>) -> CleanFeatures {
     let surfaces = (0..planes.len()).collect();
     let set = FeatureSet { size, groups: std::iter::once(0..planes.len()).collect(), planes };
-    GuideFeatures { set, surfaces, flat: false }
+    CleanFeatures { set, surfaces, flat: false }
 }
 
 /// One feature: 0 in the left half, 1 in the right one.
-pub fn two_halves(size: Size) -> GuideFeatures {
+pub fn two_halves(size: Size) -> CleanFeatures {
     features(
         size,
         vec![(0..size.pixels()).map(|i| if 2 * (i % size.width) < size.width { 0.0 } else { 1.0 }).collect()],

@@ -22,7 +22,7 @@ fn run(stack: &FeatureStack) -> Reconstruction {
 
 fn with(stack: &FeatureStack, extras: Extras) -> Reconstruction {
     let settings = BestSettings::default();
-    let features = guide_features(stack, &settings, &Silent).unwrap();
+    let features = clean_features(stack, &settings, &Silent).unwrap();
     let (component, chooser) = (Cow::Borrowed(&stack.components[0]), trained().unwrap());
     let (chooser, features) = (Some(&chooser), &features);
     let counts = &stack.samples;

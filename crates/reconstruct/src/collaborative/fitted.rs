@@ -3,18 +3,7 @@
 use stack::Size;
 
 use crate::eight::LANES;
-use crate::patch_distance::{Comparison, NoisyPlanes};
-
-/// Which pixels resemble each other.
-#[derive(Clone, Copy, Debug)]
-pub struct Guide<'a> {
-    /// The planes that are compared.
-    pub planes: NoisyPlanes<'a>,
-    /// How their patches are compared.
-    pub comparison: Comparison,
-    /// Radius of the window, in pixels.
-    pub radius: usize,
-}
+use crate::patch_distance::Comparison;
 
 /// Pictures that share their variance, each of which tells which pixels resemble each other.
 #[derive(Clone, Copy, Debug)]

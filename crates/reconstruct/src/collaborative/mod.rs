@@ -23,7 +23,7 @@ use stack::{Cancelled, Monitor, Size};
 
 use crate::rectangle::{Rectangle, tiles_of};
 pub use distances::offsets;
-pub use fitted::{Fitted, Guide, Guides, Kernel, Ridge};
+pub use fitted::{Fitted, Guides, Kernel, Ridge};
 pub use row::{FEATURES, RESPONSES};
 use sums::Sums;
 use tile::{Candidate, Fits, fit_tile};

@@ -12,7 +12,7 @@ use crate::collaborative::offsets;
 use crate::eight::{LANES, Lanes};
 use crate::lone_light::share_like_neighbours;
 use crate::per_pixel::{ByEight, Pixels, planes_by_eight};
-use crate::prefilter::{PrefilterError, VarianceSource, guides, normalised};
+use crate::prefilter::{PrefilterError, VarianceSource, normalised, regressors};
 
 /// Variance of every value of `mean`, measured: what a linear fit to place and features around it leaves of it, squared.
 ///
@@ -78,7 +78,7 @@ fn feature_planes(stack: &FeatureStack) -> Result<Vec<Vec<f32>>, PrefilterError>
         planes.iter_mut().flatten().for_each(|v| *v *= 0.5);
         planes
     };
-    let planes: Vec<Vec<Vec<f32>>> = guides(stack)?.into_par_iter().map(halved).collect();
+    let planes: Vec<Vec<Vec<f32>>> = regressors(stack)?.into_par_iter().map(halved).collect();
     Ok(planes.into_iter().flatten().collect())
 }
 

@@ -9,8 +9,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 use stack::{Cancelled, Fault, Feature, FeatureRole, FeatureStack, Monitor, Size};
 
-use crate::collaborative::Guide;
-use crate::nl_means::nl_means;
+use crate::nl_means::{Guide, nl_means};
 use crate::patch_distance::{Comparison, NoisyPlanes};
 use crate::variance::smoothed;
 use normalise::NormalisedFeature;
@@ -79,7 +78,7 @@ stack::knobs! {
 /// Features could not be prepared.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PrefilterError {
-    /// There is nothing to guide the regression.
+    /// There is nothing to explain radiance by.
     #[error(
         "the stack has none of the features position, albedo, normal, visibility and depth: add some, or choose a \
          method that needs none"
@@ -122,8 +121,8 @@ impl PrefilterError {
     }
 }
 
-/// Takes the features of `stack` that guide the regression (position, or depth where there is none; albedo, normal,
-/// visibility), maps them to [−1, 1] and filters each with weights of its own. A feature whose noise is unknown is only
+/// Takes the features of `stack` that the regression explains radiance by (position, or depth where there is none; albedo,
+/// normal, visibility), maps them to [−1, 1] and filters each with weights of its own. A feature whose noise is unknown is only
 /// mapped.
 ///
 /// # Errors
@@ -133,7 +132,7 @@ pub fn prefilter(
     settings: &PrefilterSettings,
     monitor: &dyn Monitor,
 ) -> Result<FeatureSet, PrefilterError> {
-    let mut features = guides(stack)?;
+    let mut features = regressors(stack)?;
     features.retain(|feature| settings.visibility || feature.role != FeatureRole::Visibility);
     if features.is_empty() {
         return Err(PrefilterError::NoFeatures);
@@ -157,18 +156,19 @@ pub fn prefilter(
     Ok(set)
 }
 
-/// The features that guide the regression, checked.
-pub(crate) fn guides(stack: &FeatureStack) -> Result<Vec<&Feature>, PrefilterError> {
+/// The features that a regression explains radiance by, checked: position, or depth where there is none, and all others
+/// but those of what paths meet next.
+pub(crate) fn regressors(stack: &FeatureStack) -> Result<Vec<&Feature>, PrefilterError> {
     let positioned = stack.feature(FeatureRole::Position).is_some();
-    let is_guide = |role: FeatureRole| !role.is_of_next_surface() && (role != FeatureRole::Depth || !positioned);
-    let guides: Vec<&Feature> = stack.features.iter().filter(|feature| is_guide(feature.role)).collect();
-    if guides.is_empty() {
+    let is_regressor = |role: FeatureRole| !role.is_of_next_surface() && (role != FeatureRole::Depth || !positioned);
+    let regressors: Vec<&Feature> = stack.features.iter().filter(|feature| is_regressor(feature.role)).collect();
+    if regressors.is_empty() {
         return Err(PrefilterError::NoFeatures);
     }
-    for guide in &guides {
-        check(guide, stack.size())?;
+    for feature in &regressors {
+        check(feature, stack.size())?;
     }
-    Ok(guides)
+    Ok(regressors)
 }
 
 /// Whether `feature` has as many channels as its role and the `size` of the stack.

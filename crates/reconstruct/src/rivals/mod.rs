@@ -5,8 +5,8 @@
 //! papers: it is a component of its own and rebuilt as it is for ours.
 
 pub mod apr;
-mod guides;
 pub mod lbf;
+mod measured_features;
 pub mod nfor;
 pub mod wlr;
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use reconstruct::guide::Hearing;
+use reconstruct::blend::Pair;
 use stack::Image;
 
 /// Pixels that are kept of a picture, about.
@@ -18,7 +18,7 @@ const WORST: f64 = 2e-3;
 ///
 /// # Errors
 /// When it cannot be written.
-pub fn write_lesson(file: &Path, hearing: &Hearing, pictures: [&Image; 2], references: &[Image; 2]) -> Result<()> {
+pub fn write_lesson(file: &Path, pair: &Pair, pictures: [&Image; 2], references: &[Image; 2]) -> Result<()> {
     let pixels = pictures[0].pixels();
     let costs: Vec<[f32; 3]> = (0..pixels).map(|pixel| costs(pictures, references, pixel)).collect();
     let better = better(&costs);
@@ -26,7 +26,7 @@ pub fn write_lesson(file: &Path, hearing: &Hearing, pictures: [&Image; 2], refer
     let step = (pixels / PIXELS).max(1) | 1;
     let mut bytes = Vec::new();
     for pixel in (0..pixels).step_by(step) {
-        let row = hearing.told(pixel).into_iter().chain([hearing.stake(pixel)]).chain(costs[pixel]).chain([better]);
+        let row = pair.told(pixel).into_iter().chain([pair.stake(pixel)]).chain(costs[pixel]).chain([better]);
         bytes.extend(row.flat_map(f32::to_le_bytes));
     }
     std::fs::write(file, bytes).with_context(|| format!("{}: cannot write", file.display()))

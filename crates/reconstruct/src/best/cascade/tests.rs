@@ -2,7 +2,7 @@
 
 use stack::{Component, Silent, Size};
 
-use super::super::guided_kernel::GuidedKernel;
+use super::super::edge_avoiding::EdgeAvoidingKernel;
 use super::super::test_scene::{component, error, flat, image, two_halves, with_noise};
 use super::*;
 use crate::test_noise::TestNoise;
@@ -26,7 +26,7 @@ fn added(picture: &Image, component: &Component, settings: &CascadeSettings) -> 
 
 fn added_parts(picture: &Image, parts: Parts, settings: &CascadeSettings) -> Image {
     let features = two_halves(SIZE);
-    let kernel = GuidedKernel::surfaces(&features, settings.feature_scale);
+    let kernel = EdgeAvoidingKernel::on_surfaces(&features, settings.feature_scale);
     let mut added = picture.clone();
     let scrutiny = settings.scrutiny(parts.count());
     add_significant_residual(&mut added, parts, relative_to(picture), |step| kernel.taps(step), scrutiny, &Silent)
@@ -100,7 +100,7 @@ fn nothing_becomes_negative() {
 fn parts_that_add_up_are_their_sum() {
     let parts = Parts::adding_up([flat(SIZE, 0.25), flat(SIZE, 0.5)]);
     let features = two_halves(SIZE);
-    let kernel = GuidedKernel::surfaces(&features, 0.3);
+    let kernel = EdgeAvoidingKernel::on_surfaces(&features, 0.3);
     let mut sum = flat(SIZE, 0.0);
     add_significant_residual(
         &mut sum,

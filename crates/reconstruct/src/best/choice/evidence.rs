@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use stack::Image;
 
 use super::Contest;
-use crate::best::guided_kernel::GuidedKernel;
+use crate::best::edge_avoiding::EdgeAvoidingKernel;
 use crate::best::settings::ChoiceSettings;
 use crate::eight::{LANES, Lanes};
 use crate::ln::ln;
@@ -193,7 +193,7 @@ impl Raw<'_> {
 
 /// Where noise is high, what few pixels say is chance, and the candidate that shows it wins: on a smooth surface that rare
 /// light falls on, blotches. There all levels give way to one more that looks farther.
-fn look_farther_in_noise(levels: &mut [Level], kernel: &GuidedKernel) {
+fn look_farther_in_noise(levels: &mut [Level], kernel: &EdgeAvoidingKernel) {
     let Some(coarsest) = levels.last() else { return };
     // A mean is not above all of what it is the mean of.
     if coarsest.noise().iter().all(|noise| *noise <= NOISY[0]) {

@@ -26,8 +26,8 @@ fn known(role: FeatureRole, mut mean: Image) -> Feature {
     Feature { role, estimate: Estimate { mean: Image::from_channels(SIZE, channels), noise: Noise::Unknown } }
 }
 
-fn run(features: Vec<Feature>) -> Result<GuideFeatures, PrefilterError> {
-    guide_features(&stack_of(features), &BestSettings::default(), &Silent)
+fn run(features: Vec<Feature>) -> Result<CleanFeatures, PrefilterError> {
+    clean_features(&stack_of(features), &BestSettings::default(), &Silent)
 }
 
 fn range(plane: &[f32]) -> f32 {
@@ -84,7 +84,7 @@ fn few_shadow_rays_leave_no_mottles() {
     let [filtered, rebuilt] = [0.0, 1.2].map(|bandwidth| {
         let mut settings = BestSettings::default();
         settings.features.visibility_bandwidth = bandwidth;
-        let found = guide_features(&stack, &settings, &Silent).unwrap();
+        let found = clean_features(&stack, &settings, &Silent).unwrap();
         let plane = found.set.planes[3].iter().map(|v| v + 0.5).collect::<Vec<f32>>();
         error(&Image::from_channels(SIZE, vec![plane; 3]), &flat)
     });

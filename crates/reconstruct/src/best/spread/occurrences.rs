@@ -22,8 +22,8 @@ pub struct Occurrence {
     pub light: [f32; 6],
     /// See [`Events::concentration`].
     pub concentration: f32,
-    /// Place of its guides.
-    guides: usize,
+    /// Where what separates it begins.
+    separators: usize,
     energy: f32,
     squares: f32,
 }
@@ -34,7 +34,7 @@ pub struct Occurrences {
     /// Where each row begins, and where the last one ends.
     rows: Vec<usize>,
     /// What separates pixels, occurrence after occurrence.
-    guides: Vec<f32>,
+    separators: Vec<f32>,
     /// Numbers of each.
     count: usize,
     /// Events that surroundings must hold.
@@ -42,9 +42,10 @@ pub struct Occurrences {
 }
 
 impl Occurrences {
-    /// The pixels of an image of `size` that have `events`, and what `guides` say of them.
-    pub fn new(events: &Events, guides: &[Vec<f32>], size: Size, enough: f32) -> Self {
-        let mut found = Self { all: Vec::new(), rows: vec![0], guides: Vec::new(), count: guides.len(), enough };
+    /// The pixels of an image of `size` that have `events`, and what `separators` say of them.
+    pub fn new(events: &Events, separators: &[Vec<f32>], size: Size, enough: f32) -> Self {
+        let mut found =
+            Self { all: Vec::new(), rows: vec![0], separators: Vec::new(), count: separators.len(), enough };
         let planes = || events.light.iter().flat_map(|half| half.channels());
         for y in 0..size.height {
             for x in 0..size.width {
@@ -54,9 +55,16 @@ impl Occurrences {
                     let mut light = [0.0; 6];
                     light.iter_mut().zip(planes()).for_each(|(light, plane)| *light = plane[pixel]);
                     let (concentration, squares) = (events.concentration(pixel), events.squares[pixel]);
-                    let first = found.guides.len();
-                    found.guides.extend(guides.iter().map(|plane| plane[pixel]));
-                    found.all.push(Occurrence { place: [x, y], light, concentration, guides: first, energy, squares });
+                    let first = found.separators.len();
+                    found.separators.extend(separators.iter().map(|plane| plane[pixel]));
+                    found.all.push(Occurrence {
+                        place: [x, y],
+                        light,
+                        concentration,
+                        separators: first,
+                        energy,
+                        squares,
+                    });
                 }
             }
             found.rows.push(found.all.len());
@@ -102,7 +110,7 @@ impl Occurrences {
 
     #[inline(always)]
     fn likeness(&self, p: &Occurrence, q: &Occurrence) -> f32 {
-        let [p, q] = [p, q].map(|occurrence| &self.guides[occurrence.guides..][..self.count]);
+        let [p, q] = [p, q].map(|occurrence| &self.separators[occurrence.separators..][..self.count]);
         exp_of_negative(-p.iter().zip(q).map(|(p, q)| (p - q) * (p - q)).sum::<f32>())
     }
 }

@@ -4,9 +4,9 @@ use stack::{Feature, FeatureRole, FeatureStack, Image, Monitor, Size};
 
 use super::statistics::squared_step;
 use crate::box_filter::{box_mean, fill_unknown};
-use crate::prefilter::{FeatureFilter, FeatureSet, PrefilterSettings, guides, prefilter};
+use crate::prefilter::{FeatureFilter, FeatureSet, PrefilterSettings, prefilter, regressors};
 use crate::reconstruction::ReconstructError;
-use crate::rivals::guides::measured;
+use crate::rivals::measured_features::measured;
 
 /// Kinds of features: place (position, or depth), albedo, normal, visibility.
 pub const FEATURES: usize = 4;
@@ -68,7 +68,7 @@ impl Primary {
         };
         primary.colour_variance = primary.noise_of_colour(variance);
         let filtered = prefilter(stack, &settings, monitor)?;
-        for (feature, planes) in guides(stack)?.into_iter().zip(&filtered.groups) {
+        for (feature, planes) in regressors(stack)?.into_iter().zip(&filtered.groups) {
             primary.add(stack, feature, &filtered, planes.clone())?;
         }
         Ok(primary)
@@ -114,7 +114,7 @@ fn kind_of(role: FeatureRole) -> usize {
         FeatureRole::Position | FeatureRole::Depth => PLACE,
         FeatureRole::Albedo => ALBEDO,
         FeatureRole::Normal => 2,
-        // What lies next is no guide of any rival.
+        // What lies next is no feature of any rival.
         FeatureRole::Visibility | FeatureRole::Proximity | FeatureRole::Lit => VISIBILITY,
     }
 }

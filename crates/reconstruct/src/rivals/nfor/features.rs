@@ -3,11 +3,10 @@
 use stack::{Cancelled, Feature, FeatureRole, FeatureStack, Monitor, Size};
 
 use super::comparison;
-use crate::collaborative::Guide;
-use crate::nl_means::{nl_means, units};
+use crate::nl_means::{Guide, nl_means, units};
 use crate::patch_distance::NoisyPlanes;
 use crate::prefilter::{FeatureSet, PrefilterError, VarianceSource, check, normalised, normalised_halves};
-use crate::rivals::guides::whichever;
+use crate::rivals::measured_features::whichever;
 use crate::variance::smoothed;
 
 /// Radius of the patches (section 5.1).

@@ -3,8 +3,7 @@
 use stack::{Cancelled, Image, Monitor};
 
 use super::{ColourHalves, comparison};
-use crate::collaborative::Guide;
-use crate::nl_means::{nl_means, units};
+use crate::nl_means::{Guide, nl_means, units};
 use crate::patch_distance::NoisyPlanes;
 
 /// Radius of the patches that smooth errors and choices.

@@ -22,7 +22,7 @@ use crate::prefilter::FeatureSet;
 use crate::reconstruction::{ReconstructError, Reconstruction};
 use crate::regression::RegressionInput;
 use crate::regression::field::Field;
-use crate::rivals::guides::{MeasuredFeatures, measured, whichever};
+use crate::rivals::measured_features::{MeasuredFeatures, measured, whichever};
 use error_model::ErrorModel;
 use row::{Rebuild, RebuiltRow, Search, Shared};
 

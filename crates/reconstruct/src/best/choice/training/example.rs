@@ -8,8 +8,8 @@ use super::answer::{Answer, Judged};
 use super::lights::{Light, Parts, parts_of, whole_light};
 use super::slope::{errors_of_rule, norm_of};
 use crate::best::choice::inputs::{Block, Inputs, LANES};
-use crate::best::features::{GuideFeatures, guide_features};
-use crate::best::light_guide::with_direct_light;
+use crate::best::features::{CleanFeatures, clean_features};
+use crate::best::light_features::with_direct_light;
 use crate::best::piloted::Piloted;
 use crate::best::rebuild::rebuild;
 use crate::best::recipe::{Extras, Recipe};
@@ -63,7 +63,7 @@ impl Example {
         let exposure = exposure(&stack.components, settings.light.usual_brightness());
         let stack = &stack.clone().exposed(exposure);
         let references = &references.clone().map(|reference| reference.exposed(exposure));
-        let features = guide_features(stack, settings, monitor)?;
+        let features = clean_features(stack, settings, monitor)?;
         let whole = whole_light(stack, references)?;
         let parts = parts_of(&whole, stack, references, settings.light.gathered);
         let pixels = sampled(&unlit(stack), seed);
@@ -89,7 +89,7 @@ impl Example {
 }
 
 impl<'a> Picture<'a> {
-    fn recipe(&self, features: &'a GuideFeatures, beside: Option<&'a Image>) -> Recipe<'a> {
+    fn recipe(&self, features: &'a CleanFeatures, beside: Option<&'a Image>) -> Recipe<'a> {
         let Self { stack, settings, .. } = *self;
         Recipe { counts: &stack.samples, features, beside, settings, chooser: None, extras: Extras::default() }
     }
@@ -97,7 +97,7 @@ impl<'a> Picture<'a> {
     fn example(
         &self,
         light: Light,
-        features: &GuideFeatures,
+        features: &CleanFeatures,
         beside: Option<&Image>,
         monitor: &dyn Monitor,
     ) -> Result<Example, ReconstructError> {

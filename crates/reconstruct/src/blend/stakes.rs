@@ -1,4 +1,4 @@
-//! What is at stake where picture and guide differ in brightness.
+//! What is at stake where two pictures differ in brightness.
 
 use stack::Image;
 
@@ -7,17 +7,17 @@ use crate::ln::ln;
 /// Added to squared luminance, as in relative errors.
 const EPSILON: f32 = 1e-3;
 
-/// Brightness beyond this ratio of squared luminance makes no more difference: a black guide must not win by being black.
+/// Brightness beyond this ratio of squared luminance makes no more difference: a black picture must not win by being black.
 const MOST: f32 = 100.0;
 
-/// What is added to the logit of the guide's weight at every pixel: ln (x² + ε)/(g² + ε), of luminance.
+/// What is added to the logit of the other picture's weight at every pixel: ln (x² + ε)/(g² + ε), of luminance.
 ///
-/// Errors count relative to the truth. If that is as the guide g with probability p, and else as the picture x, a mixture m
+/// Errors count relative to the truth. If that is as the other picture g with probability p, and else as the picture x, a mixture m
 /// costs p (m − g)²/(g² + ε) + (1 − p)(m − x)²/(x² + ε) in the mean. The least costs a weight whose odds are those of p
 /// times (x² + ε)/(g² + ε): what is too bright by far, a firefly of one of the two, costs more than what is too dark.
-pub fn stakes(picture: &Image, guide: &Image) -> Vec<f32> {
+pub fn stakes(picture: &Image, other: &Image) -> Vec<f32> {
     let square = |image: &Image, pixel: usize| image.mean_at(pixel).powi(2) + EPSILON;
-    let ratio = |pixel| (square(picture, pixel) / square(guide, pixel)).clamp(1.0 / MOST, MOST);
+    let ratio = |pixel| (square(picture, pixel) / square(other, pixel)).clamp(1.0 / MOST, MOST);
     (0..picture.pixels()).map(|pixel| ln(ratio(pixel))).collect()
 }
 

@@ -44,7 +44,7 @@ impl<'a> Inputs<'a> {
         inputs.map(|value| value.clamp(-FURTHEST, FURTHEST))
     }
 
-    /// How far guide and noisy picture are from the picture here against around; noise; events.
+    /// How far the other and the noisy picture are from the picture here against around; noise; events.
     fn own(&self, pixel: usize) -> [f32; OWN] {
         let [noise, squared, ..] = self.moments.at(MIDDLE, pixel);
         let squared = squared + 1e-3 * noise + 1e-9;

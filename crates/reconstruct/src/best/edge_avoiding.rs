@@ -1,5 +1,5 @@
-//! An à trous kernel that does not cross borders: 5×5 B₃ splines with gaps, times a Gaussian of guide differences
-//! (Dammertz et al. 2010).
+//! An edge-avoiding à trous kernel (Dammertz et al. 2010): 5×5 B₃ splines with gaps, times a Gaussian of how far apart
+//! pixels are in planes that tell surfaces, and perhaps brightness, apart.
 
 mod piece;
 mod smoothing;
@@ -7,8 +7,8 @@ mod taps;
 
 use stack::{Image, Size};
 
-use super::features::GuideFeatures;
-use super::light_guide::logarithm;
+use super::features::CleanFeatures;
+use super::light_features::logarithm;
 use crate::per_pixel::plane;
 use taps::Separation;
 pub use taps::Taps;
@@ -16,31 +16,36 @@ pub use taps::Taps;
 /// Planes whose differences separate pixels: a weight is exp(−Σ Δ²/(2 s²)) with the scale s. Features are borrowed:
 /// a scaled copy would take 36 bytes a pixel where a reconstruction needs the most memory.
 #[derive(Clone, Debug)]
-pub struct GuidedKernel<'a> {
+pub struct EdgeAvoidingKernel<'a> {
     size: Size,
     surfaces: Vec<&'a [f32]>,
     brightness: Vec<Vec<f32>>,
     scale: f32,
 }
 
-impl<'a> GuidedKernel<'a> {
+impl<'a> EdgeAvoidingKernel<'a> {
     /// A kernel for an image of `size` that keeps pixels apart whose values differ by `scale` or more in `surfaces`.
     pub fn new(size: Size, surfaces: Vec<&'a [f32]>, scale: f32) -> Self {
         Self { size, surfaces, brightness: Vec::new(), scale }
     }
 
     /// A kernel that stays on surfaces: features that differ by `scale` or more are kept apart.
-    pub fn surfaces(features: &'a GuideFeatures, scale: f32) -> Self {
+    pub fn on_surfaces(features: &'a CleanFeatures, scale: f32) -> Self {
         Self::new(features.set.size, features.surfaces().collect(), scale)
     }
 
     /// A kernel that stays on surfaces and among pixels of like brightness in `picture`: a squared difference of its
     /// logarithm counts `brightness` times one of a feature.
-    pub fn surfaces_and_brightness(features: &'a GuideFeatures, picture: &Image, scale: f32, brightness: f32) -> Self {
+    pub fn on_surfaces_of_like_brightness(
+        features: &'a CleanFeatures,
+        picture: &Image,
+        scale: f32,
+        brightness: f32,
+    ) -> Self {
         let weight = brightness.sqrt();
         let weighed = |values: &Vec<f32>| plane(values.len(), |pixel| weight * logarithm(values[pixel]));
         let brightness = picture.channels().iter().map(weighed).collect();
-        Self { brightness, ..Self::surfaces(features, scale) }
+        Self { brightness, ..Self::on_surfaces(features, scale) }
     }
 
     /// Smooths `planes` with taps `step` pixels apart.

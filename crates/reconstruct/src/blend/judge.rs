@@ -1,4 +1,4 @@
-//! The network that says how far to follow a guide: one hidden layer.
+//! The network that says how far to follow the other picture: one hidden layer.
 
 use rayon::prelude::*;
 
@@ -32,7 +32,7 @@ pub struct Judge {
 }
 
 impl Judge {
-    /// The weight of the guide at every pixel, 0 to 1: the logistic function of s + b + Σ w h, h = tanh(b + Σ w x), with
+    /// The weight of the other picture at every pixel, 0 to 1: the logistic function of s + b + Σ w h, h = tanh(b + Σ w x), with
     /// what is at stake there, s.
     pub fn weights(&self, inputs: &Inputs, stakes: &[f32]) -> Vec<f32> {
         let pixels = inputs.pixels();

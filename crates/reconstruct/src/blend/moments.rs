@@ -1,9 +1,9 @@
-//! Second moments of what sets picture, guide and noisy picture apart, smoothed.
+//! Second moments of what sets picture, other picture and noisy picture apart, smoothed.
 
 use stack::{Image, Size};
 
-use super::evidence::Evidence;
-use crate::best::guided_kernel::GuidedKernel;
+use super::noisy_picture::NoisyPicture;
+use crate::best::edge_avoiding::EdgeAvoidingKernel;
 use crate::box_filter::box_mean;
 use crate::per_pixel;
 use crate::reconstruction::Reconstruction;
@@ -22,7 +22,7 @@ const DILATIONS: [usize; LEVELS] = [1, 2, 4];
 /// Weight of noise against error: what noisy pixels say counts less.
 const PRECISION: f32 = 6.0;
 
-/// Moments of one pixel or of many, with x the picture, g the guide, y the noisy picture, d = g − x, r = y − x, and ′ for a
+/// Moments of one pixel or of many, with x the picture, g the other one, y the noisy picture, d = g − x, r = y − x, and ′ for a
 /// value less the mean of its four neighbours: variance, d², d r, r², estimated error of x, d′², d′ r′, x′², g′², d times
 /// the mean of r over the four neighbours, all weighted and mean over RGB; luminance of x, of g, times the root of the
 /// weight.
@@ -39,14 +39,15 @@ pub struct Moments {
 }
 
 impl Moments {
-    /// Gathers them for what was `rebuilt` and its `guide`.
-    pub fn new(evidence: &Evidence, rebuilt: &Reconstruction, guide: &Image) -> Self {
+    /// Those of what was `rebuilt` and the `other` picture.
+    pub fn new(noisy: &NoisyPicture, rebuilt: &Reconstruction, other: &Image) -> Self {
         let picture = &rebuilt.picture;
-        let weights = weights(picture, &evidence.variance);
-        let task = Task { evidence, rebuilt, guide, weights: &weights };
+        let weights = weights(picture, &noisy.variance);
+        let task = Task { noisy, rebuilt, other, weights: &weights };
         let planes: [Vec<f32>; MOMENTS] = per_pixel::planes(picture.pixels(), |pixel| task.moments(pixel));
         let whole = planes.each_ref().map(|plane| mean(plane));
-        let kernel = GuidedKernel::surfaces_and_brightness(&evidence.features, picture, FEATURE_SCALE, BRIGHTNESS);
+        let kernel =
+            EdgeAvoidingKernel::on_surfaces_of_like_brightness(&noisy.features, picture, FEATURE_SCALE, BRIGHTNESS);
         let mut scales = vec![planes.to_vec()];
         for (finer, dilation) in DILATIONS.into_iter().enumerate() {
             scales.push(kernel.smooth(&scales[finer], dilation));
@@ -87,9 +88,9 @@ fn mean(plane: &[f32]) -> f32 {
 }
 
 struct Task<'a> {
-    evidence: &'a Evidence,
+    noisy: &'a NoisyPicture,
     rebuilt: &'a Reconstruction,
-    guide: &'a Image,
+    other: &'a Image,
     weights: &'a [f32],
 }
 
@@ -103,13 +104,13 @@ impl Task<'_> {
         }
         sums[4] = weight * self.rebuilt.mse[pixel].max(0.0);
         sums[10] = weight.sqrt() * self.rebuilt.picture.mean_at(pixel);
-        sums[11] = weight.sqrt() * self.guide.mean_at(pixel);
+        sums[11] = weight.sqrt() * self.other.mean_at(pixel);
         sums
     }
 
     fn of_channel(&self, c: usize, pixel: usize) -> Moment {
-        let size = self.guide.size();
-        let [x, g, y, v] = [&self.rebuilt.picture, self.guide, &self.evidence.noisy, &self.evidence.variance]
+        let size = self.other.size();
+        let [x, g, y, v] = [&self.rebuilt.picture, self.other, &self.noisy.picture, &self.noisy.variance]
             .map(|image| image.channels()[c].as_slice());
         let near = [x, g, y].map(|plane| mean_of_neighbours(plane, size, pixel));
         let (d, r) = (g[pixel] - x[pixel], y[pixel] - x[pixel]);
@@ -124,9 +125,9 @@ impl Task<'_> {
 
     fn single(&self, pixel: usize) -> [f32; 3] {
         let root = self.weights[pixel].sqrt();
-        let Evidence { noisy, events, .. } = self.evidence;
+        let NoisyPicture { picture: noisy, events, .. } = self.noisy;
         let x = self.rebuilt.picture.mean_at(pixel);
-        [root * (self.guide.mean_at(pixel) - x), root * (noisy.mean_at(pixel) - x), root * events.mean_at(pixel)]
+        [root * (self.other.mean_at(pixel) - x), root * (noisy.mean_at(pixel) - x), root * events.mean_at(pixel)]
     }
 }
 

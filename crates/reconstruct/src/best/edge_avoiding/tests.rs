@@ -1,4 +1,4 @@
-//! The guided kernel against its formula.
+//! The kernel against its formula.
 
 use std::f32::consts::FRAC_1_SQRT_2;
 
@@ -8,25 +8,25 @@ use crate::test_noise::TestNoise;
 const SIZE: Size = Size::new(13, 9);
 
 /// A kernel whose weights are exp(−Σ Δ²).
-fn kernel(guides: &[Vec<f32>]) -> GuidedKernel<'_> {
-    GuidedKernel::new(SIZE, guides.iter().map(Vec::as_slice).collect(), FRAC_1_SQRT_2)
+fn kernel(separators: &[Vec<f32>]) -> EdgeAvoidingKernel<'_> {
+    EdgeAvoidingKernel::new(SIZE, separators.iter().map(Vec::as_slice).collect(), FRAC_1_SQRT_2)
 }
 
-/// Two guides, the second of which is an edge between columns 5 and 6.
-fn guides(edge: f32) -> Vec<Vec<f32>> {
+/// Two planes, the second of which is an edge between columns 5 and 6.
+fn separators(edge: f32) -> Vec<Vec<f32>> {
     let step = (0..SIZE.pixels()).map(|i| if i % SIZE.width < 6 { 0.0 } else { edge }).collect();
     vec![TestNoise(70).normals(SIZE.pixels(), 0.0, 0.4), step]
 }
 
 /// Σ h w v/Σ h w, h = the spline and w = exp(−Σ Δ²), in double precision.
-fn twin(guides: &[Vec<f32>], plane: &[f32], step: isize, [x, y]: [usize; 2]) -> f64 {
+fn twin(separators: &[Vec<f32>], plane: &[f32], step: isize, [x, y]: [usize; 2]) -> f64 {
     let binomial = [1.0, 4.0, 6.0, 4.0, 1.0];
     let (mut sum, mut total) = (0.0, 0.0);
     for (j, i) in (0..5).flat_map(|j| (0..5).map(move |i| (j, i))) {
         let (column, row) = (x as isize + (i - 2) * step, y as isize + (j - 2) * step);
         if (0..SIZE.width as isize).contains(&column) && (0..SIZE.height as isize).contains(&row) {
             let (p, q) = (SIZE.index(x, y), SIZE.index(column as usize, row as usize));
-            let squares: f64 = guides.iter().map(|guide| f64::from(guide[p] - guide[q]).powi(2)).sum();
+            let squares: f64 = separators.iter().map(|plane| f64::from(plane[p] - plane[q]).powi(2)).sum();
             let weight = binomial[i as usize] * binomial[j as usize] * (-squares).exp();
             sum += weight * f64::from(plane[q]);
             total += weight;
@@ -37,13 +37,13 @@ fn twin(guides: &[Vec<f32>], plane: &[f32], step: isize, [x, y]: [usize; 2]) -> 
 
 #[test]
 fn agrees_with_the_formula() {
-    let (guides, plane) = (guides(0.7), TestNoise(71).normals(SIZE.pixels(), 1.0, 1.0));
-    let kernel = kernel(&guides);
+    let (separators, plane) = (separators(0.7), TestNoise(71).normals(SIZE.pixels(), 1.0, 1.0));
+    let kernel = kernel(&separators);
     for step in [1, 2, 4, 8, 32] {
         let smooth = kernel.smooth(&[vec![0.0; SIZE.pixels()], plane.clone()], step);
         assert!(smooth[0].iter().all(|v| *v == 0.0));
         for (i, value) in smooth[1].iter().enumerate() {
-            let expected = twin(&guides, &plane, step as isize, [i % SIZE.width, i / SIZE.width]);
+            let expected = twin(&separators, &plane, step as isize, [i % SIZE.width, i / SIZE.width]);
             assert!((f64::from(*value) - expected).abs() < 1e-5, "{i}, step {step}: {value} {expected}");
         }
     }
@@ -52,7 +52,7 @@ fn agrees_with_the_formula() {
 #[test]
 fn constants_stay() {
     for step in [1, 4, 100] {
-        let smooth = kernel(&guides(2.0)).smooth(&[vec![0.3; SIZE.pixels()]], step);
+        let smooth = kernel(&separators(2.0)).smooth(&[vec![0.3; SIZE.pixels()]], step);
         assert!(smooth[0].iter().all(|v| (v - 0.3).abs() < 1e-6));
     }
 }
@@ -61,9 +61,9 @@ fn constants_stay() {
 fn nothing_crosses_an_edge() {
     let plane: Vec<f32> = (0..SIZE.pixels()).map(|i| if i % SIZE.width < 6 { 1.0 } else { 1000.0 }).collect();
     for step in [1, 2] {
-        let smooth = kernel(&guides(6.0)).smooth(std::slice::from_ref(&plane), step);
+        let smooth = kernel(&separators(6.0)).smooth(std::slice::from_ref(&plane), step);
         assert!(smooth[0].iter().zip(&plane).all(|(a, b)| (a - b).abs() < 1e-4 * b));
-        let across = kernel(&guides(0.0)).smooth(std::slice::from_ref(&plane), step);
+        let across = kernel(&separators(0.0)).smooth(std::slice::from_ref(&plane), step);
         assert!(across[0][5] > 100.0, "without the edge it does mix");
     }
 }

@@ -19,18 +19,18 @@ fn scene() -> Scene {
 }
 
 impl Scene {
-    fn guided(&self, guide: &Image) -> Guided {
-        guided(&self.stack, &self.rebuilt, guide, &Settings::default(), &Silent).unwrap()
+    fn blend(&self, other: &Image) -> Blend {
+        blend(&self.stack, &self.rebuilt, other, &Settings::default(), &Silent).unwrap()
     }
 
-    /// Squared error with a guide over that without.
-    fn ratio(&self, guide: &Image) -> f32 {
-        error(&self.guided(guide).picture, &self.truth) / error(&self.rebuilt.picture, &self.truth)
+    /// Squared error with another picture over that without.
+    fn ratio(&self, other: &Image) -> f32 {
+        error(&self.blend(other).picture, &self.truth) / error(&self.rebuilt.picture, &self.truth)
     }
 }
 
 #[test]
-fn an_exact_guide_helps_and_useless_ones_do_no_harm() {
+fn an_exact_picture_helps_and_useless_ones_do_no_harm() {
     let scene = scene();
     let exact = scene.ratio(&scene.truth);
     let black = scene.ratio(&flat(SIZE, 0.0));
@@ -41,14 +41,14 @@ fn an_exact_guide_helps_and_useless_ones_do_no_harm() {
     for useless in [black, noisy, other] {
         assert!(useless < 1.02, "{useless}");
     }
-    let black = scene.guided(&flat(SIZE, 0.0));
+    let black = scene.blend(&flat(SIZE, 0.0));
     assert!(error(&black.picture, &scene.rebuilt.picture) < 4e-4 * error(&scene.rebuilt.picture, &flat(SIZE, 0.0)));
 }
 
 #[test]
-fn our_own_picture_as_a_guide_changes_nothing() {
+fn our_own_picture_mixed_in_changes_nothing() {
     let scene = scene();
-    let picture = scene.guided(&scene.rebuilt.picture).picture;
+    let picture = scene.blend(&scene.rebuilt.picture).picture;
     assert_eq!(picture, scene.rebuilt.picture);
 }
 
@@ -57,8 +57,8 @@ fn units_do_not_matter() {
     let Scene { truth, stack, rebuilt } = scene();
     let with = |factor: f32| {
         let stack = stack.clone().exposed(factor);
-        let (rebuilt, guide) = (rebuilt.clone().exposed(factor), truth.clone().exposed(factor));
-        guided(&stack, &rebuilt, &guide, &Settings::default(), &Silent).unwrap()
+        let (rebuilt, other) = (rebuilt.clone().exposed(factor), truth.clone().exposed(factor));
+        blend(&stack, &rebuilt, &other, &Settings::default(), &Silent).unwrap()
     };
     // Both so dark that all they are relative to would be but the constants that keep it finite.
     let [dark, darker] = [-14, -22].map(|exponent| with(2.0_f32.powi(exponent)));
@@ -68,27 +68,27 @@ fn units_do_not_matter() {
 #[test]
 fn values_that_are_not_finite_are_left_out() {
     let scene = scene();
-    let mut guide = scene.truth.clone();
+    let mut other = scene.truth.clone();
     let hole = SIZE.index(30, 20);
-    guide.channels_mut()[0][hole] = f32::NAN;
-    guide.channels_mut()[2][hole + 7] = f32::INFINITY;
-    let guided = scene.guided(&guide);
-    assert!(guided.picture.channels().iter().flatten().all(|v| v.is_finite()));
-    assert_eq!(guided.picture.channels()[0][hole], scene.rebuilt.picture.channels()[0][hole]);
+    other.channels_mut()[0][hole] = f32::NAN;
+    other.channels_mut()[2][hole + 7] = f32::INFINITY;
+    let blended = scene.blend(&other);
+    assert!(blended.picture.channels().iter().flatten().all(|v| v.is_finite()));
+    assert_eq!(blended.picture.channels()[0][hole], scene.rebuilt.picture.channels()[0][hole]);
 }
 
 #[test]
-fn no_strength_leaves_the_guide_alone() {
+fn no_strength_leaves_the_other_picture_alone() {
     let scene = scene();
     let mut settings = Settings::default();
     settings.guide.strength = 0.0;
-    let guided = guided(&scene.stack, &scene.rebuilt, &scene.truth, &settings, &Silent).unwrap();
-    assert_eq!((guided.picture.clone(), guided.mean_weight()), (scene.rebuilt.picture, 0.0));
+    let blended = blend(&scene.stack, &scene.rebuilt, &scene.truth, &settings, &Silent).unwrap();
+    assert_eq!((blended.picture.clone(), blended.mean_weight()), (scene.rebuilt.picture, 0.0));
 }
 
 #[test]
-fn a_guide_of_another_size_is_refused() {
-    let error = check_guide(&flat(Size::new(5, 4), 1.0), SIZE).unwrap_err();
+fn a_picture_of_another_size_is_refused() {
+    let error = check_size(&flat(Size::new(5, 4), 1.0), SIZE).unwrap_err();
     assert!(matches!(error.fault(), Fault::Input));
     let text = error.to_string();
     assert!(text.contains("5x4") && text.contains("72x60"), "{text}");
@@ -99,7 +99,7 @@ fn the_picture_does_not_depend_on_the_number_of_threads() {
     let scene = scene();
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| scene.guided(&scene.truth))
+        pool.install(|| scene.blend(&scene.truth))
     };
     assert_eq!(with(1), with(3));
 }

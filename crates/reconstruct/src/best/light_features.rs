@@ -2,41 +2,41 @@
 
 use stack::Image;
 
-use super::features::GuideFeatures;
+use super::features::CleanFeatures;
 
 /// `features`, where none of them tells surfaces apart, and the logarithm of `picture`, `weight` times, as another:
 /// kernels then stay on pixels of like colour.
-pub fn with_colour(features: &GuideFeatures, picture: &Image, weight: f32) -> Option<GuideFeatures> {
+pub fn with_colour(features: &CleanFeatures, picture: &Image, weight: f32) -> Option<CleanFeatures> {
     if weight == 0.0 || !features.flat {
         return None;
     }
-    let mut guided = features.clone();
-    let first = guided.set.planes.len();
+    let mut extended = features.clone();
+    let first = extended.set.planes.len();
     let planes = picture.channels().iter().map(|plane| plane.iter().map(|v| weight * logarithm(*v)).collect());
-    guided.set.planes.extend(planes);
-    guided.set.groups.push(first..first + 3);
-    guided.surfaces.extend(first..first + 3);
-    Some(guided)
+    extended.set.planes.extend(planes);
+    extended.set.groups.push(first..first + 3);
+    extended.surfaces.extend(first..first + 3);
+    Some(extended)
 }
 
 /// `features` for indirect light: the logarithm of the `direct` light, `weight` times, in place of visibility. Light that
 /// was rebuilt tells shadows without their noise, and kernels stay on one side of them. `None` where it has no weight.
-pub fn with_direct_light(features: &GuideFeatures, direct: &Image, weight: f32) -> Option<GuideFeatures> {
+pub fn with_direct_light(features: &CleanFeatures, direct: &Image, weight: f32) -> Option<CleanFeatures> {
     if weight == 0.0 {
         return None;
     }
-    let mut guided = features.clone();
+    let mut extended = features.clone();
     let plane = (0..direct.pixels()).map(|pixel| weight * logarithm(direct.mean_at(pixel))).collect();
-    let planes = &mut guided.set.planes;
-    let place = (0..planes.len()).find(|plane| !guided.surfaces.contains(plane)).unwrap_or(planes.len());
+    let planes = &mut extended.set.planes;
+    let place = (0..planes.len()).find(|plane| !extended.surfaces.contains(plane)).unwrap_or(planes.len());
     if place < planes.len() {
         planes[place] = plane;
     } else {
         planes.push(plane);
-        guided.set.groups.push(place..place + 1);
+        extended.set.groups.push(place..place + 1);
     }
-    guided.surfaces.push(place);
-    Some(guided)
+    extended.surfaces.push(place);
+    Some(extended)
 }
 
 /// Finite in the dark, where noise would rule it.
@@ -62,7 +62,7 @@ mod tests {
         let added = with_direct_light(&features, &direct, 0.5).unwrap();
         assert_eq!((added.set.planes.len(), added.set.groups.len()), (before + 1, features.set.groups.len() + 1));
         let shadow = 0.5 * (1.0_f32 / 0.02).ln();
-        let edge = |features: &GuideFeatures| {
+        let edge = |features: &CleanFeatures| {
             let plane = &features.set.planes[*features.surfaces.last().unwrap()];
             plane[SIZE.index(3, 2)] - plane[SIZE.index(2, 2)]
         };
