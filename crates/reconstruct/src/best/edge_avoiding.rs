@@ -18,20 +18,20 @@ pub use taps::Taps;
 #[derive(Clone, Debug)]
 pub struct EdgeAvoidingKernel<'a> {
     size: Size,
-    surfaces: Vec<&'a [f32]>,
+    separators: Vec<&'a [f32]>,
     brightness: Vec<Vec<f32>>,
     scale: f32,
 }
 
 impl<'a> EdgeAvoidingKernel<'a> {
-    /// A kernel for an image of `size` that keeps pixels apart whose values differ by `scale` or more in `surfaces`.
-    pub fn new(size: Size, surfaces: Vec<&'a [f32]>, scale: f32) -> Self {
-        Self { size, surfaces, brightness: Vec::new(), scale }
+    /// A kernel for an image of `size` that keeps pixels apart whose values differ by `scale` or more in `separators`.
+    pub fn new(size: Size, separators: Vec<&'a [f32]>, scale: f32) -> Self {
+        Self { size, separators, brightness: Vec::new(), scale }
     }
 
     /// A kernel that stays on surfaces: features that differ by `scale` or more are kept apart.
     pub fn on_surfaces(features: &'a CleanFeatures, scale: f32) -> Self {
-        Self::new(features.set.size, features.surfaces().collect(), scale)
+        Self::new(features.set.size, features.separators().collect(), scale)
     }
 
     /// A kernel that stays on surfaces and among pixels of like brightness in `picture`: a squared difference of its
@@ -56,7 +56,7 @@ impl<'a> EdgeAvoidingKernel<'a> {
     /// The kernel with taps `step` pixels apart, for as many planes as there are.
     pub fn taps(&self, step: usize) -> Taps {
         let brightness = self.brightness.iter().map(Vec::as_slice);
-        let planes = self.surfaces.iter().copied().chain(brightness).collect();
+        let planes = self.separators.iter().copied().chain(brightness).collect();
         Taps::weighed(self.size, &Separation { planes, per_square: 0.5 / (self.scale * self.scale) }, step)
     }
 }

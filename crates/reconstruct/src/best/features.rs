@@ -21,8 +21,8 @@ pub struct CleanFeatures {
     /// All of them. Albedo and visibility fill a range of 1, normals one of 2, positions one of 1 along the longest
     /// side of their box.
     pub set: FeatureSet,
-    /// Planes that tell surfaces apart: all but visibility.
-    pub surfaces: Vec<usize>,
+    /// Numbers of the planes that tell surfaces apart: of all but visibility.
+    pub separating: Vec<usize>,
     /// Whether those do not: there is no normal, and positions lie on a plane before the camera.
     pub flat: bool,
 }
@@ -33,14 +33,14 @@ impl CleanFeatures {
         let FeatureSet { size, planes, groups } = &self.set;
         let planes = planes.iter().map(|plane| rows_of(plane, *size, rows)).collect();
         let set = FeatureSet { size: Size::new(size.width, rows.len()), planes, groups: groups.clone() };
-        Self { set, surfaces: self.surfaces.clone(), flat: self.flat }
+        Self { set, separating: self.separating.clone(), flat: self.flat }
     }
 
     /// Adds the `planes` of some features as a group.
     fn add(&mut self, roles: &[FeatureRole], planes: Vec<Vec<f32>>) {
         let group = self.set.planes.len()..self.set.planes.len() + planes.len();
         if !roles.contains(&FeatureRole::Visibility) {
-            self.surfaces.extend(group.clone());
+            self.separating.extend(group.clone());
         }
         self.set.groups.push(group);
         self.set.planes.extend(planes);
@@ -74,8 +74,8 @@ impl CleanFeatures {
     }
 
     /// The planes that tell surfaces apart.
-    pub fn surfaces(&self) -> impl Iterator<Item = &[f32]> {
-        self.surfaces.iter().map(|plane| self.set.planes[*plane].as_slice())
+    pub fn separators(&self) -> impl Iterator<Item = &[f32]> {
+        self.separating.iter().map(|plane| self.set.planes[*plane].as_slice())
     }
 }
 
@@ -146,7 +146,7 @@ impl Regressors {
             }
         }
         let set = FeatureSet { size, planes: Vec::new(), groups: Vec::new() };
-        let mut all = CleanFeatures { set, surfaces: Vec::new(), flat };
+        let mut all = CleanFeatures { set, separating: Vec::new(), flat };
         monitor.begin("prefilter", units(size) * plain.len() as u64);
         for feature in plain {
             all.add(&[feature.role], filtered(&feature, counts, &settings.features, monitor)?);

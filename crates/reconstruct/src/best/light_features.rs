@@ -15,7 +15,7 @@ pub fn with_colour(features: &CleanFeatures, picture: &Image, weight: f32) -> Op
     let planes = picture.channels().iter().map(|plane| plane.iter().map(|v| weight * logarithm(*v)).collect());
     extended.set.planes.extend(planes);
     extended.set.groups.push(first..first + 3);
-    extended.surfaces.extend(first..first + 3);
+    extended.separating.extend(first..first + 3);
     Some(extended)
 }
 
@@ -28,14 +28,14 @@ pub fn with_direct_light(features: &CleanFeatures, direct: &Image, weight: f32) 
     let mut extended = features.clone();
     let plane = (0..direct.pixels()).map(|pixel| weight * logarithm(direct.mean_at(pixel))).collect();
     let planes = &mut extended.set.planes;
-    let place = (0..planes.len()).find(|plane| !extended.surfaces.contains(plane)).unwrap_or(planes.len());
+    let place = (0..planes.len()).find(|plane| !extended.separating.contains(plane)).unwrap_or(planes.len());
     if place < planes.len() {
         planes[place] = plane;
     } else {
         planes.push(plane);
         extended.set.groups.push(place..place + 1);
     }
-    extended.surfaces.push(place);
+    extended.separating.push(place);
     Some(extended)
 }
 
@@ -63,7 +63,7 @@ mod tests {
         assert_eq!((added.set.planes.len(), added.set.groups.len()), (before + 1, features.set.groups.len() + 1));
         let shadow = 0.5 * (1.0_f32 / 0.02).ln();
         let edge = |features: &CleanFeatures| {
-            let plane = &features.set.planes[*features.surfaces.last().unwrap()];
+            let plane = &features.set.planes[*features.separating.last().unwrap()];
             plane[SIZE.index(3, 2)] - plane[SIZE.index(2, 2)]
         };
         assert!((edge(&added) - shadow).abs() < 1e-5);

@@ -73,14 +73,14 @@ impl<'a> Piloted<'a> {
         monitor.begin("spread", 1);
         let mut pilot = mean_of(&first);
         let coloured = with_colour(features, &pilot, settings.colour.guide);
-        let surfaces = coloured.as_ref().unwrap_or(features);
+        let separating = coloured.as_ref().unwrap_or(features);
         let lit = with_share(&pilot, beside, settings.light.direct_spread);
-        let spread = spread(&events, &lit, surfaces, &settings.spread);
+        let spread = spread(&events, &lit, separating, &settings.spread);
         drop(lit);
-        let light = steadied(spread.halves, &pilot, surfaces, &settings.spread, monitor)?;
+        let light = steadied(spread.halves, &pilot, separating, &settings.spread, monitor)?;
         pilot.add(&light);
         if let Some(parts) = parts {
-            let kernel = EdgeAvoidingKernel::on_surfaces(surfaces, settings.cascade.feature_scale);
+            let kernel = EdgeAvoidingKernel::on_surfaces(separating, settings.cascade.feature_scale);
             let relative = relative_to(&pilot);
             let scrutiny = settings.cascade.scrutiny(parts.count());
             add_significant_residual(&mut pilot, parts, relative, |step| kernel.taps(step), scrutiny, monitor)?;
@@ -116,14 +116,14 @@ impl<'a> Piloted<'a> {
         Ok(candidates)
     }
 
-    /// What tells surfaces apart.
-    pub fn surfaces(&self) -> &CleanFeatures {
+    /// Features whose separators do tell surfaces apart.
+    pub fn separating_features(&self) -> &CleanFeatures {
         self.coloured.as_ref().unwrap_or(&self.given.features)
     }
 
     /// What is to be chosen from `candidates`.
     pub fn contest<'b>(&'b self, candidates: &'b [[Image; 2]]) -> Contest<'b> {
-        Contest { candidates, low: &self.given.low, pilot: &self.pilot, features: self.surfaces() }
+        Contest { candidates, low: &self.given.low, pilot: &self.pilot, features: self.separating_features() }
     }
 }
 

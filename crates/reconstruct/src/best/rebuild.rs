@@ -32,7 +32,7 @@ pub fn rebuild(
     picture.channels_mut().iter_mut().flatten().for_each(|v| *v = v.max(0.0));
     let ChoiceSettings { feature_scale, brightness, .. } = recipe.settings.choice;
     let kernel = EdgeAvoidingKernel::on_surfaces_of_like_brightness(
-        piloted.surfaces(),
+        piloted.separating_features(),
         &piloted.pilot,
         feature_scale,
         brightness,
@@ -56,8 +56,12 @@ fn cleared_and_restored(
     let settings = recipe.settings;
     let mean = mean_of(halves);
     let RestoreSettings { feature_scale, brightness, .. } = settings.restore;
-    let kernel =
-        EdgeAvoidingKernel::on_surfaces_of_like_brightness(piloted.surfaces(), &mean, feature_scale, brightness);
+    let kernel = EdgeAvoidingKernel::on_surfaces_of_like_brightness(
+        piloted.separating_features(),
+        &mean,
+        feature_scale,
+        brightness,
+    );
     let mut loss = Loss::new(&mean, &piloted.given.low.halves, &kernel, &settings.restore);
     let mut picture = without_clouds(mean, halves, |step| loss.taps(step), &settings.clouds, monitor)?;
     loss.give_back(&mut picture);

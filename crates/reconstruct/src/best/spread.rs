@@ -106,7 +106,7 @@ fn separators(brightness: &[f32], features: &CleanFeatures, settings: &SpreadSet
     let scale = std::f32::consts::FRAC_1_SQRT_2 / settings.feature_scale;
     let pixels = brightness.len();
     let scaled = |values: &[f32]| plane(pixels, |pixel| scale * values[pixel]);
-    let mut planes: Vec<Vec<f32>> = features.surfaces().map(scaled).collect();
+    let mut planes: Vec<Vec<f32>> = features.separators().map(scaled).collect();
     planes.push(plane(pixels, |pixel| scale * settings.brightness * brightness[pixel].ln()));
     planes
 }

@@ -40,9 +40,9 @@ pub fn energy(image: &Image) -> f64 {
 
 /// Features whose every plane tells surfaces apart.
 pub fn features(size: Size, planes: Vec<Vec<f32>>) -> CleanFeatures {
-    let surfaces = (0..planes.len()).collect();
+    let separating = (0..planes.len()).collect();
     let set = FeatureSet { size, groups: std::iter::once(0..planes.len()).collect(), planes };
-    CleanFeatures { set, surfaces, flat: false }
+    CleanFeatures { set, separating, flat: false }
 }
 
 /// One feature: 0 in the left half, 1 in the right one.

@@ -32,9 +32,9 @@ impl NoisyPicture {
         monitor: &dyn Monitor,
     ) -> Result<Self, ReconstructError> {
         // The network was trained without what lies next.
-        let mut of_surfaces = *settings;
-        of_surfaces.features.next = false;
-        let features = clean_features(stack, &of_surfaces, monitor)?;
+        let mut without_next = *settings;
+        without_next.features.next = false;
+        let features = clean_features(stack, &without_next, monitor)?;
         let [mean, variance, events] = [(); 3].map(|()| Image::zeros(stack.size(), 3));
         let mut noisy = Self { picture: mean, variance, events, features };
         for component in stack.components.iter().filter(|component| is_lit(component)) {

@@ -1,11 +1,11 @@
-//! Weighted least squares: rows are gathered a few at a time and added to the normal equations in one go.
+//! Weighted least squares: rows are collected a few at a time and added to the normal equations in one go.
 
 use pulp::Simd;
 
 use super::lanes::Lanes;
 use super::matrix::add_gram;
 
-/// Rows gathered before they are added: few enough to stay in the nearest cache.
+/// Rows collected before they are added: few enough to stay in the nearest cache.
 const BLOCK: usize = 16;
 
 /// The normal matrix XᵀX of rows that come one by one.

@@ -232,7 +232,7 @@ impl<S: Simd> Reduction<S> {
         }
     }
 
-    /// Gathers V_k, scaled, from each pixel's own choice of singular vectors.
+    /// Puts V_k together, scaled, from each pixel's own choice of singular vectors.
     #[inline(always)]
     fn fill_basis(&mut self, window: &Window<S>) {
         let (lanes, width) = (Lanes::<S>::COUNT, self.width);

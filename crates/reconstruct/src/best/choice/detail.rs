@@ -19,7 +19,7 @@ const LEAST: f32 = 0.01;
 /// around it, then of the features that tell surfaces apart.
 pub fn details(contest: &Contest) -> [Vec<f32>; DETAILS] {
     let size = contest.pilot.size();
-    let surfaces: Vec<&[f32]> = contest.features.surfaces().collect();
+    let surfaces: Vec<&[f32]> = contest.features.separators().collect();
     let (bright, surface) = (steps(&[logarithm(contest.pilot)], size), steps(&surfaces, size));
     let around = |steps: &[f32], radius: usize| {
         let mean = box_mean(steps, size, radius);

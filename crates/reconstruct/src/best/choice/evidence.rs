@@ -86,7 +86,7 @@ impl Level {
 }
 
 impl Evidence {
-    /// Gathers it.
+    /// That of `contest`, on these scales.
     pub fn new(contest: &Contest, settings: &ChoiceSettings, scales: Scales) -> Self {
         let raw = Raw { contest, precision: settings.precision };
         let pixels = contest.pilot.pixels();
@@ -124,7 +124,7 @@ impl Evidence {
     }
 }
 
-/// Planes of evidence where all is gathered: V, and E, D and R of every candidate; for the rule, V and E.
+/// Planes of all evidence: V, and E, D and R of every candidate; for the rule, V and E.
 const ALL: usize = 1 + 3 * CANDIDATES;
 
 /// Evidence that is not smoothed yet.

@@ -43,7 +43,7 @@ pub struct Inputs<'a> {
 }
 
 impl<'a> Inputs<'a> {
-    /// Gathers it.
+    /// What `contest` tells.
     pub fn new(contest: &Contest, settings: &'a ChoiceSettings) -> Self {
         Self { evidence: Evidence::new(contest, settings, Scales::All), details: details(contest), settings }
     }

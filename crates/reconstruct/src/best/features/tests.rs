@@ -48,8 +48,8 @@ fn every_role_has_its_natural_scale() {
     let expected = [1.0, 190.0 / 400.0, 0.0, 0.5, 0.5, 0.5, 2.0, 2.0, 2.0, 1.0];
     assert!(ranges.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-5), "{ranges:?}");
     assert_eq!(found.set.groups, [0..3, 3..6, 6..9, 9..10]);
-    assert_eq!(found.surfaces, (0..9).collect::<Vec<usize>>(), "visibility does not tell surfaces apart");
-    assert!(found.surfaces().eq(found.set.planes[..9].iter().map(Vec::as_slice)));
+    assert_eq!(found.separating, (0..9).collect::<Vec<usize>>(), "visibility does not tell surfaces apart");
+    assert!(found.separators().eq(found.set.planes[..9].iter().map(Vec::as_slice)));
 }
 
 #[test]

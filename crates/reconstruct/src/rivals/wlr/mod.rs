@@ -73,13 +73,13 @@ pub fn rebuild(
     let noise = noise_of_groups(&features, radius);
     let shared = Shared { field: &field, noise: &noise, wlr: &settings.wlr, regression: &settings.regression };
     Ok(match variant {
-        Variant::Pilot => gathered(radiance.size(), &rebuilt_rows(shared, None, monitor)?),
+        Variant::Pilot => put_together(radiance.size(), &rebuilt_rows(shared, None, monitor)?),
         Variant::Plain | Variant::Visibility => {
             let rows = by_rows("bandwidth", field.size.height, monitor, |y| Search { shared, y })?;
             let models: Vec<ErrorModel> = rows.into_iter().flatten().collect();
             let best: Vec<f32> = models.iter().map(ErrorModel::best_bandwidth).collect();
             let bandwidth = smoothed(&best, field.size);
-            let mut rebuilt = gathered(radiance.size(), &rebuilt_rows(shared, Some(&bandwidth), monitor)?);
+            let mut rebuilt = put_together(radiance.size(), &rebuilt_rows(shared, Some(&bandwidth), monitor)?);
             rebuilt.mse = models.iter().zip(&bandwidth).map(|(model, h)| model.mse(*h)).collect();
             rebuilt
         }
@@ -138,7 +138,7 @@ fn by_rows<T: WithSimd<Output: Send>>(
     done.collect()
 }
 
-fn gathered(size: Size, rows: &[RebuiltRow]) -> Reconstruction {
+fn put_together(size: Size, rows: &[RebuiltRow]) -> Reconstruction {
     let plane = |of: &dyn Fn(&RebuiltRow) -> &Vec<f32>| rows.iter().flat_map(|row| of(row).iter().copied()).collect();
     let picture = Image::from_channels(size, (0..3).map(|c| plane(&|row| &row.colour[c])).collect());
     let (bandwidth, rank) = (Some(plane(&|row| &row.bandwidth)), Some(plane(&|row| &row.rank)));
