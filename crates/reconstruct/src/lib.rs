@@ -30,6 +30,7 @@ mod nl_means;
 mod paper;
 mod patch_distance;
 mod per_pixel;
+mod pieces;
 mod pipeline;
 pub mod prefilter;
 mod reconstruction;

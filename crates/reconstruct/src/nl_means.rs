@@ -1,11 +1,11 @@
 //! Non-local means: every pixel becomes the average of those whose patches resemble its own (Rousselle et al. 2012,
 //! section 4).
 
-use rayon::prelude::*;
 use stack::{Cancelled, Monitor, Size};
 
 use crate::exp::exp_of_negative;
 use crate::patch_distance::{Comparison, NoisyPlanes, PatchDistance};
+use crate::pieces::of_each;
 use crate::rectangle::{Rectangle, put_together, tiles_of};
 
 /// Side of the tiles that are filtered one by one.
@@ -40,17 +40,9 @@ pub fn nl_means(
 ) -> Result<Vec<Vec<f32>>, Cancelled> {
     let size = guide.planes.size;
     let tiles = tiles_of(size, TILE);
-    let filtered: Vec<Vec<Vec<f32>>> = tiles
-        .par_iter()
-        .map(|tile| {
-            if monitor.cancelled() {
-                return Err(Cancelled);
-            }
-            let means = pulp::Arch::new().dispatch(TileTask { guide, bandwidth, sources, tile: *tile });
-            monitor.advance(1);
-            Ok(means)
-        })
-        .collect::<Result<_, _>>()?;
+    let filtered = of_each(&tiles, monitor, |tile| {
+        pulp::Arch::new().dispatch(TileTask { guide, bandwidth, sources, tile: *tile })
+    })?;
     Ok(put_together(size, &tiles, &filtered, sources.len()))
 }
 

@@ -21,6 +21,7 @@ mod window;
 use rayon::prelude::*;
 use stack::{Cancelled, Monitor, Size};
 
+use crate::pieces::of_each;
 use crate::rectangle::{Rectangle, tiles_of};
 pub use distances::offsets;
 pub use fitted::{Fitted, Guides, Kernel, Ridge};
@@ -107,8 +108,8 @@ impl Sweep<'_> {
         wants: impl Fn(usize, usize, usize) -> bool + Sync,
     ) -> Result<(), Cancelled> {
         for wave in tiles.chunks(WAVE * rayon::current_num_threads()) {
-            let parts: Vec<Option<Fits>> =
-                wave.par_iter().map(|tile| self.tile(*tile, &wants)).collect::<Result<_, _>>()?;
+            let fits = |tile: &Rectangle| fit_tile(self.fitted, self.guides, self.candidates, *tile, &wants);
+            let parts = of_each(wave, self.monitor, fits)?;
             sums.par_iter_mut().enumerate().for_each(|(candidate, sums)| {
                 for Fits { tile, sums: parts } in parts.iter().flatten() {
                     sums.add(*tile, self.guides.radius, &parts[candidate]);
@@ -116,15 +117,6 @@ impl Sweep<'_> {
             });
         }
         Ok(())
-    }
-
-    fn tile(&self, tile: Rectangle, wants: impl Fn(usize, usize, usize) -> bool) -> Result<Option<Fits>, Cancelled> {
-        if self.monitor.cancelled() {
-            return Err(Cancelled);
-        }
-        let fits = fit_tile(self.fitted, self.guides, self.candidates, tile, wants);
-        self.monitor.advance(1);
-        Ok(fits)
     }
 }
 

@@ -4,12 +4,12 @@
 //! Each distance is needed for all pixels at once and depends on an offset only, so that a tile takes one distance image
 //! per offset for D(P(c),P(q)) and four in all for the adjacent pairs D(P(p),P(q)).
 
-use rayon::prelude::*;
 use stack::{Cancelled, Monitor};
 
 use super::paths::{NEIGHBOURS, Step, steps};
 use crate::exp::exp_of_negative;
 use crate::patch_distance::{Comparison, NoisyPlanes, PatchDistance};
+use crate::pieces::of_each;
 use crate::rectangle::{Rectangle, put_together, tiles_of};
 
 /// Side of the tiles that are filtered one by one: their buffers stay in a core's own cache.
@@ -42,18 +42,8 @@ pub fn propagation_filter(
 ) -> Result<Vec<Vec<f32>>, Cancelled> {
     let steps = steps(shape.radius);
     let tiles = tiles_of(planes.size, TILE);
-    let filtered: Result<Vec<_>, _> = tiles
-        .par_iter()
-        .map(|tile| {
-            if monitor.cancelled() {
-                return Err(Cancelled);
-            }
-            let means = TileFilter::new(planes, shape, *tile).run(&steps);
-            monitor.advance(1);
-            Ok(means)
-        })
-        .collect();
-    Ok(put_together(planes.size, &tiles, &filtered?, planes.values.len()))
+    let filtered = of_each(&tiles, monitor, |tile| TileFilter::new(planes, shape, *tile).run(&steps))?;
+    Ok(put_together(planes.size, &tiles, &filtered, planes.values.len()))
 }
 
 /// Filters one tile.

@@ -24,9 +24,9 @@ mod tests;
 pub(crate) mod twin;
 pub(crate) mod window;
 
-use rayon::prelude::*;
 use stack::{Cancelled, Image, Monitor};
 
+use crate::pieces::of_each;
 use crate::prefilter::FeatureSet;
 use field::Field;
 use row::{Row, RowTask};
@@ -119,17 +119,8 @@ pub fn regress(
     let field = Field::new(input, settings.window.radius);
     let processor = pulp::Arch::new();
     monitor.begin("regression", field.size.height as u64);
-    let rows: Vec<Row> = (0..field.size.height)
-        .into_par_iter()
-        .map(|y| {
-            if monitor.cancelled() {
-                return Err(Cancelled);
-            }
-            let row = processor.dispatch(RowTask { input, field: &field, settings, y });
-            monitor.advance(1);
-            Ok(row)
-        })
-        .collect::<Result<_, _>>()?;
+    let row = |y| processor.dispatch(RowTask { input, field: &field, settings, y });
+    let rows = of_each(0..field.size.height, monitor, row)?;
     let mut regression = Regression::unchanged(input);
     for (y, row) in rows.iter().enumerate() {
         regression.take(y, row);

@@ -4,11 +4,11 @@
 //! colour lies far outside the spread of its 3×3 block is replaced by the block's median. Its authors apply this to the
 //! filtered picture; the paper's figure applies it to the noisy one, in front of the regression.
 
-use rayon::prelude::*;
 use stack::{Cancelled, Image, Monitor};
 
 use super::Found;
 use super::replace::{block_around, median_of_block};
+use crate::pieces::of_each;
 
 /// Marks every pixel that is more than `deviations` standard deviations away from the mean of its 3×3 block in any
 /// channel, and every pixel that is not finite. A marked pixel is taken from the one of median luminance in the block.
@@ -19,17 +19,9 @@ use super::replace::{block_around, median_of_block};
 pub(super) fn find(colour: &Image, deviations: f32, monitor: &dyn Monitor) -> Result<Found, Cancelled> {
     let size = colour.size();
     monitor.begin("spikes", size.height as u64);
-    let rows: Vec<Vec<bool>> = (0..size.height)
-        .into_par_iter()
-        .map(|y| {
-            if monitor.cancelled() {
-                return Err(Cancelled);
-            }
-            monitor.advance(1);
-            Ok((0..size.width).map(|x| is_spike(size.index(x, y), colour, deviations)).collect())
-        })
-        .collect::<Result<_, _>>()?;
-    let marked = rows.concat();
+    let row =
+        |y: usize| -> Vec<bool> { (0..size.width).map(|x| is_spike(size.index(x, y), colour, deviations)).collect() };
+    let marked = of_each(0..size.height, monitor, row)?.concat();
     let source = |(pixel, marked): (usize, &bool)| if *marked { median_of_block(pixel, colour) } else { Some(pixel) };
     let sources = marked.iter().enumerate().map(source).collect();
     Ok((marked, sources))

@@ -20,10 +20,10 @@ mod row;
 #[cfg(test)]
 mod tests;
 
-use rayon::prelude::*;
 use stack::{Cancelled, FeatureStack, Image, Monitor};
 
 use crate::Settings;
+use crate::pieces::of_each;
 use crate::prefilter::{FeatureSet, prefilter};
 use crate::reconstruction::{ReconstructError, Reconstruction};
 use crate::regression::RegressionInput;
@@ -127,18 +127,7 @@ fn one_stage(fitted: Fitted, rows: &[usize], monitor: &dyn Monitor) -> Result<Po
     let mut sums = vec![vec![0.0; size.pixels()]; SUMS];
     let mut chosen = [0; ORDERS];
     for wave in rows.chunks(WAVE) {
-        let predicted: Vec<Predictions> = wave
-            .par_iter()
-            .map(|y| {
-                if monitor.cancelled() {
-                    return Err(Cancelled);
-                }
-                let predictions = processor.dispatch(RowOfBlocks { fitted, y: *y });
-                monitor.advance(1);
-                Ok(predictions)
-            })
-            .collect::<Result<_, _>>()?;
-        for predictions in &predicted {
+        for predictions in of_each(wave, monitor, |y| processor.dispatch(RowOfBlocks { fitted, y: *y }))? {
             predictions.orders.iter().for_each(|order| chosen[*order] += 1);
             predictions.add_to(&mut sums, size.width, fitted.field.radius);
         }

@@ -28,6 +28,7 @@ use rayon::prelude::*;
 use stack::{Cancelled, FeatureStack, Image, Monitor, Size};
 
 use crate::Settings;
+use crate::pieces::of_each;
 use crate::reconstruction::{ReconstructError, Reconstruction};
 use crate::spikes::{SpikeMethod, SpikeSettings, remove_spikes};
 use error::estimated_error;
@@ -102,18 +103,10 @@ fn filtered(
     let Size { width, height } = primary.size;
     monitor.begin("filter", height as u64);
     let processor = pulp::Arch::new();
-    (0..height)
-        .into_par_iter()
-        .map(|y| {
-            if monitor.cancelled() {
-                return Err(Cancelled);
-            }
-            let bandwidths = &bandwidths[y * width..][..width];
-            let row = processor.dispatch(RowFilter { primary, radius, y, bandwidths });
-            monitor.advance(1);
-            Ok(row)
-        })
-        .collect()
+    of_each(0..height, monitor, |y| {
+        let bandwidths = &bandwidths[y * width..][..width];
+        processor.dispatch(RowFilter { primary, radius, y, bandwidths })
+    })
 }
 
 fn put_together(size: Size, rows: &[FilteredRow]) -> Image {

@@ -13,11 +13,11 @@ mod tests;
 mod trust;
 
 use pulp::WithSimd;
-use rayon::prelude::*;
 use stack::{Cancelled, FeatureRole, FeatureStack, Image, Monitor, Size};
 
 use crate::Settings;
 use crate::box_filter::box_mean;
+use crate::pieces::of_each;
 use crate::prefilter::FeatureSet;
 use crate::reconstruction::{ReconstructError, Reconstruction};
 use crate::regression::RegressionInput;
@@ -118,7 +118,7 @@ fn rebuilt_rows(
     by_rows("regression", size.height, monitor, |y| Rebuild { shared, y, bandwidth: of_row(y) })
 }
 
-/// Runs a task for each of `rows`, in parallel, as stage `stage`.
+/// What a task makes of each of so many `rows`. Reports one unit per row as stage `stage`.
 fn by_rows<T: WithSimd<Output: Send>>(
     stage: &'static str,
     rows: usize,
@@ -127,15 +127,7 @@ fn by_rows<T: WithSimd<Output: Send>>(
 ) -> Result<Vec<T::Output>, Cancelled> {
     let processor = pulp::Arch::new();
     monitor.begin(stage, rows as u64);
-    let done = (0..rows).into_par_iter().map(|y| {
-        if monitor.cancelled() {
-            return Err(Cancelled);
-        }
-        let row = processor.dispatch(task(y));
-        monitor.advance(1);
-        Ok(row)
-    });
-    done.collect()
+    of_each(0..rows, monitor, |y| processor.dispatch(task(y)))
 }
 
 fn put_together(size: Size, rows: &[RebuiltRow]) -> Reconstruction {
