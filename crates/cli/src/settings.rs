@@ -75,6 +75,20 @@ impl Settings {
         }
     }
 
+    /// What pictures between two rounds are rebuilt with: no more than tells where samples go.
+    pub fn between_rounds(&self) -> reconstruct::Settings {
+        let (rounds, mut settings) = (&self.rounds, self.reconstruction);
+        settings.regression.window.radius = rounds.iteration_radius;
+        settings.best.light.apart &= rounds.iteration_apart;
+        // Samples go by the error, which knows nothing of clouds.
+        settings.best.clouds.levels = 0;
+        let fit = &mut settings.best.regression;
+        fit.stride = fit.stride.max(rounds.iteration_stride);
+        fit.passes = rounds.iteration_passes;
+        fit.second_radius = fit.second_radius.min(rounds.iteration_second_radius);
+        settings
+    }
+
     /// The settings that say how samples are taken, and nothing of what is made of them.
     pub fn describe_sampling() -> Vec<stack::Knob> {
         [TraceSettings::describe(), LoopSettings::describe(), AdaptiveSettings::describe()].concat()
@@ -128,6 +142,16 @@ fn fast() -> BestSettings {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn pictures_between_rounds_take_no_more_than_the_last() {
+        for (preset, stride, radius) in [(Preset::Best, 4, 8), (Preset::Fast, 5, 7)] {
+            let found = Settings::of(preset).between_rounds().best;
+            assert_eq!((found.regression.stride, found.regression.second_radius), (stride, radius), "{preset:?}");
+            assert!(!found.light.apart && found.clouds.levels == 0);
+        }
+        assert_eq!(Settings::of(Preset::Paper).between_rounds().regression.window.radius, 5);
+    }
 
     #[test]
     fn recorded_settings_are_checked_as_flags_are() {

@@ -13,9 +13,9 @@ use tracer::scene::Scene;
 
 use super::Budget;
 use super::checkpoint::Checkpoint;
+use super::finished::{Finished, Round};
 use super::tev::Preview;
 use super::time_left::TimeLeft;
-use crate::guide::Followed;
 use crate::interrupt;
 use crate::progress::Progress;
 use crate::settings::Settings;
@@ -42,35 +42,6 @@ impl Sampling<'_> {
             preview.show(picture, mse, self.progress);
         }
     }
-}
-
-/// One turn of the loop.
-#[derive(Clone, Copy, Debug)]
-pub struct Round {
-    /// Mean samples per pixel at its end.
-    pub spp: f64,
-    /// Estimated relative MSE of the picture then.
-    pub estimated_rmse: Option<f64>,
-    /// Seconds since the loop began.
-    pub seconds: f64,
-}
-
-/// What the loop leaves.
-pub struct Finished {
-    pub stack: FeatureStack,
-    pub reconstruction: Option<Reconstruction>,
-    pub rounds: Vec<Round>,
-    /// Samples that were traced; a film that was begun by an earlier run holds more.
-    pub samples: u64,
-    pub rays: u64,
-    /// Samples that were NaN or infinite and count as zero.
-    pub not_finite: u64,
-    /// Whether Ctrl-C ended it.
-    pub interrupted: bool,
-    /// A target error was given and not reached.
-    pub missed_target: bool,
-    /// How far another denoiser's picture was followed.
-    pub guide: Option<Followed>,
 }
 
 /// Fills `film`, which may hold samples already, within `budget` and reconstructs its picture.
@@ -220,7 +191,7 @@ impl State<'_> {
     fn estimate(&mut self) -> Result<(f64, FeatureStack, Reconstruction)> {
         let begun = Instant::now();
         let stack = self.film.to_stack();
-        let reconstruction = reconstruct(&stack, &self.iteration_settings(), self.sampling.progress)?;
+        let reconstruction = reconstruct(&stack, &self.sampling.settings.between_rounds(), self.sampling.progress)?;
         let error = estimated_rmse(&reconstruction.mse, &reconstruction.picture);
         self.note(Some(error));
         self.sampling.show(&reconstruction.picture, &reconstruction.mse);
@@ -239,37 +210,13 @@ impl State<'_> {
         sample_map(&estimate, share, &self.sampling.settings.sampling)
     }
 
-    fn iteration_settings(&self) -> reconstruct::Settings {
-        let rounds = &self.sampling.settings.rounds;
-        let mut settings = self.sampling.settings.reconstruction;
-        settings.regression.window.radius = rounds.iteration_radius;
-        settings.best.light.apart &= rounds.iteration_apart;
-        // Samples go by the error, which knows nothing of clouds.
-        settings.best.clouds.levels = 0;
-        let fit = &mut settings.best.regression;
-        fit.stride = fit.stride.max(rounds.iteration_stride);
-        fit.passes = rounds.iteration_passes;
-        fit.second_radius = fit.second_radius.min(rounds.iteration_second_radius);
-        settings
-    }
-
     fn note(&mut self, estimated_rmse: Option<f64>) {
         self.rounds.push(round(self.film.counts(), &self.time, estimated_rmse));
     }
 
     fn finish(self, interrupted: bool) -> Result<Finished> {
         let Self { sampling, film, budget, time, rebuild, report, mut rounds } = self;
-        let mut finished = Finished {
-            stack: film.into_stack(),
-            reconstruction: None,
-            rounds: Vec::new(),
-            samples: report.samples,
-            rays: report.rays,
-            not_finite: report.not_finite,
-            interrupted,
-            missed_target: false,
-            guide: None,
-        };
+        let mut finished = Finished { interrupted, ..Finished::unrebuilt(film.into_stack(), &report) };
         if sampling.preview.is_some() {
             // Of samples that are not rebuilt no error is known.
             let unknown = vec![f32::NAN; finished.stack.size().pixels()];

@@ -3,6 +3,7 @@
 mod adaptive_loop;
 mod budget;
 mod checkpoint;
+mod finished;
 mod partial;
 mod plan;
 mod record;
@@ -19,9 +20,10 @@ use anyhow::Result;
 use clap::ArgMatches;
 use serde_json::Value;
 use stack::file::{Carried, StackHeader};
-use stack::{FeatureStack, Image, SampleCounts};
+use stack::{FeatureStack, SampleCounts};
 use tracer::camera::Camera;
 use tracer::film::Film;
+use tracer::integrator::TraceReport;
 
 use crate::args::RenderArgs;
 use crate::failure::Verdict;
@@ -33,9 +35,10 @@ use crate::report::{done_in, estimated_rmse};
 use crate::stdout::print_line;
 use crate::threads::start_threads;
 
-pub use adaptive_loop::{Finished, Sampling, trace_adaptively};
+pub use adaptive_loop::{Sampling, trace_adaptively};
 pub use budget::Budget;
 use checkpoint::Checkpoint;
+pub use finished::Finished;
 use partial::{clear_away, partial_path, refuse_to_lose};
 pub use plan::Plan;
 pub use record::{record_of, view_of};
@@ -82,7 +85,8 @@ impl Render<'_> {
         let new = || Film::new(plan.window, plan.size, &plan.settings.trace).starting_at(plan.budget.first);
         let film = film.unwrap_or_else(new);
         if let Some(begun) = begun.as_ref().filter(|begun| begun.is_finished(&film, &plan.budget, outputs)) {
-            return self.say_that_nothing_is_missing(begun, &Finished::nothing_new(film.into_stack()));
+            return self
+                .say_that_nothing_is_missing(begun, &Finished::unrebuilt(film.into_stack(), &TraceReport::default()));
         }
         let keep = |stack: &FeatureStack| self.keep(stack);
         let checkpoint = args.checkpoint.map(|every| Checkpoint::new(partial_path(outputs), every, &keep));
@@ -151,7 +155,8 @@ impl Render<'_> {
         say_what_was_done(progress, finished, &written, clock.total);
         self.say_that_the_target_was_missed(finished, &written);
         if self.args.report.json {
-            print_line(report::render(outputs, &written, plan, finished, &clock, progress, view))?;
+            let written = &written;
+            print_line(report::Rendered { outputs, written, plan, finished, clock, progress, view }.json())?;
         }
         Ok(())
     }
@@ -177,7 +182,8 @@ impl Render<'_> {
                 Written { picture: &picture, stack, reconstruction: None, header: &header, carried: &carried };
             let (load, build) = (view.load_seconds, view.build_seconds);
             let clock = report::Clock { load, build, write: 0.0, total: load + build };
-            print_line(report::render(outputs, &written, plan, finished, &clock, progress, view))?;
+            let written = &written;
+            print_line(report::Rendered { outputs, written, plan, finished, clock, progress, view }.json())?;
         }
         Ok(Verdict::Done)
     }
@@ -226,26 +232,4 @@ fn say_what_was_done(progress: &Progress, finished: &Finished, written: &Written
         progress.say(&format!("{} samples were not finite and count as zero", finished.not_finite));
     }
     progress.say(&done_in(seconds, progress));
-}
-
-impl Finished {
-    /// What a loop leaves that had nothing to do.
-    fn nothing_new(stack: stack::FeatureStack) -> Self {
-        Self {
-            stack,
-            reconstruction: None,
-            rounds: Vec::new(),
-            samples: 0,
-            rays: 0,
-            not_finite: 0,
-            interrupted: false,
-            missed_target: false,
-            guide: None,
-        }
-    }
-
-    /// The picture to show: reconstructed, or as it was sampled.
-    pub fn picture(&self) -> Image {
-        self.reconstruction.as_ref().map_or_else(|| self.stack.beauty(), |r| r.picture.clone())
-    }
 }
