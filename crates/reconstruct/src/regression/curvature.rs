@@ -2,12 +2,12 @@
 
 use pulp::Simd;
 
-use super::bandwidth::Projection;
 use super::cholesky::{factor, substitute_back};
 use super::field::Field;
 use super::lanes::Lanes;
+use super::neighbours::Neighbours;
 use super::normal_equations::NormalEquations;
-use super::window::{Trust, Window};
+use super::window::Trust;
 
 stack::knobs! {
     /// The bandwidth factors b_j (section 3.1, after Moon et al. 2014).
@@ -38,24 +38,18 @@ impl<S: Simd> Curvature<S> {
         Self { simd, factors, normal: NormalEquations::with_capacity(simd, 2 * most + 4) }
     }
 
-    /// Fits 1, z_j and z_j² (j < `rank`) to each colour channel with a kernel of bandwidth 1, H_j being twice the mean
-    /// size of the coefficients of z_j². Weights are multiplied by the neighbours' `trust`.
+    /// Fits 1, z_j and z_j² (j < rank) to each colour channel with a kernel of bandwidth 1, H_j being twice the mean size
+    /// of the coefficients of z_j².
     #[inline(always)]
-    pub(crate) fn find(
-        &mut self,
-        field: &Field,
-        (window, trust): (&Window<S>, &impl Trust<S>),
-        projection: &Projection<S>,
-        rank: usize,
-        settings: &CurvatureSettings,
-    ) {
+    pub(crate) fn find(&mut self, neighbours: &Neighbours<S, impl Trust<S>>, settings: &CurvatureSettings) {
+        let rank = neighbours.rank;
         if !settings.adaptive {
             self.factors[..rank].fill(Lanes::splat(self.simd, 1.0));
             return;
         }
         let (unknowns, width) = (2 * rank + 1, 2 * rank + 4);
         self.normal.begin(width);
-        self.add_neighbours(field, (window, trust), projection, rank);
+        self.add(neighbours);
         let ridge = self.normal.matrix[0] * settings.ridge;
         self.normal.add_ridge(0..unknowns, ridge);
         let matrix = &mut self.normal.matrix;
@@ -73,13 +67,8 @@ impl<S: Simd> Curvature<S> {
 
     /// The normal equations of 1, z_j, z_j², and the colours in the last three columns.
     #[inline(always)]
-    fn add_neighbours(
-        &mut self,
-        field: &Field,
-        (window, trust): (&Window<S>, &impl Trust<S>),
-        projection: &Projection<S>,
-        rank: usize,
-    ) {
+    fn add(&mut self, neighbours: &Neighbours<S, impl Trust<S>>) {
+        let Neighbours { field, window, projection, rank, trust } = *neighbours;
         let (zero, one) = (Lanes::splat(self.simd, 0.0), Lanes::splat(self.simd, 1.0));
         let centre = [0, 1, 2].map(|c| field.at(self.simd, field.colour(c), window.x, window.y));
         for (row, y) in window.rows.clone().enumerate() {
@@ -114,8 +103,10 @@ mod tests {
     use pulp::Scalar;
     use stack::{Image, Size};
 
+    use super::super::bandwidth::Projection;
     use super::super::reduce::Reduction;
     use super::super::twin::Scene;
+    use super::super::window::Window;
     use super::super::{Normalisation, RegressionSettings};
     use super::*;
 
@@ -141,7 +132,8 @@ mod tests {
             reduction.find(&field, &mut window, Normalisation::None, &settings.reduction);
             projection.find(&field, &window, &reduction, &settings.bandwidth);
             let faint = CurvatureSettings { ridge: 1e-6, ..settings.curvature };
-            curvature.find(&field, (&window, &window), &projection, 1, &faint);
+            let (field, window, projection, trust) = (&field, &window, &projection, &window);
+            curvature.find(&Neighbours { field, window, projection, rank: 1, trust }, &faint);
             // H is twice the mean of 3, 1 and 0.5.
             let expected = 1.0 / (3.0f32 + 0.16).sqrt();
             let found = curvature.factors[0].to_array()[0];

@@ -6,6 +6,7 @@ use super::bandwidth::Projection;
 use super::cholesky::{factor, first_row_of_inverse};
 use super::field::Field;
 use super::lanes::{Lanes, Mask};
+use super::neighbours::Neighbours;
 use super::normal_equations::NormalEquations;
 use super::window::{Trust, Window};
 
@@ -71,24 +72,21 @@ impl<S: Simd> LocalLinear<S> {
         }
     }
 
-    /// The estimate in `rank` dimensions with bandwidths h·`factors`, and where no neighbour had a weight: there the
-    /// pixel was kept as it is. Weights are multiplied by the neighbours' `trust`.
+    /// The estimate with bandwidths h·`factors`, and where no neighbour had a weight: there the pixel was kept as it is.
     #[inline(always)]
     pub(crate) fn estimate(
         &mut self,
-        field: &Field,
-        (window, trust): (&Window<S>, &impl Trust<S>),
-        projection: &Projection<S>,
+        neighbours: &Neighbours<S, impl Trust<S>>,
         factors: &[Lanes<S>],
-        rank: usize,
         settings: &LocalLinearSettings,
     ) -> (Estimate<S>, Mask<S>) {
+        let Neighbours { field, window, projection, rank, trust } = *neighbours;
         let one = Lanes::splat(self.simd, 1.0);
         for j in 0..rank {
             self.narrow[j] = one / (projection.shared * factors[j]);
         }
         self.normal.begin((rank + 1).next_multiple_of(2));
-        self.add_neighbours(field, (window, trust), projection, rank);
+        self.add(neighbours);
         // The pixel's own kernel weight is 1.
         let accompanied = trust.own().less_than(self.normal.matrix[0]);
         self.find_kernel(projection, rank, settings.ridge);
@@ -97,13 +95,8 @@ impl<S: Simd> LocalLinear<S> {
 
     /// The normal equations of eq. 4, in units of the bandwidth: Σ w (1, u)(1, u)ᵀ with u_j = z_j/(h b_j).
     #[inline(always)]
-    fn add_neighbours(
-        &mut self,
-        field: &Field,
-        (window, trust): (&Window<S>, &impl Trust<S>),
-        projection: &Projection<S>,
-        rank: usize,
-    ) {
+    fn add(&mut self, neighbours: &Neighbours<S, impl Trust<S>>) {
+        let Neighbours { field, window, projection, rank, trust } = *neighbours;
         let (zero, one) = (Lanes::splat(self.simd, 0.0), Lanes::splat(self.simd, 1.0));
         self.near.clear();
         self.kernel.clear();
@@ -234,15 +227,10 @@ mod tests {
             reduction.find(&field, &mut window, Normalisation::Window, &settings.reduction);
             projection.find(&field, &window, &reduction, &settings.bandwidth);
             let rank = reduction.largest_rank;
-            curvature.find(&field, (&window, &window), &projection, rank, &settings.curvature);
-            local_linear.estimate(
-                &field,
-                (&window, &window),
-                &projection,
-                &curvature.factors,
-                rank,
-                &LocalLinearSettings { ridge: 1e-7 },
-            );
+            let neighbours =
+                Neighbours { field: &field, window: &window, projection: &projection, rank, trust: &window };
+            curvature.find(&neighbours, &settings.curvature);
+            local_linear.estimate(&neighbours, &curvature.factors, &LocalLinearSettings { ridge: 1e-7 });
             let mut moments = vec![Lanes::splat(Scalar256b, 0.0); rank + 1];
             for (l, index) in local_linear.kernel.iter().zip(&local_linear.near) {
                 moments[0] += *l;

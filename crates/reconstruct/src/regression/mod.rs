@@ -12,6 +12,7 @@ pub(crate) mod field;
 pub(crate) mod lanes;
 pub(crate) mod local_linear;
 mod matrix;
+pub(crate) mod neighbours;
 pub(crate) mod normal_equations;
 mod power_iteration;
 pub(crate) mod reduce;

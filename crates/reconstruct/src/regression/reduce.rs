@@ -97,6 +97,17 @@ pub(crate) struct Reduction<S: Simd> {
     vectors: Vec<f32>,
 }
 
+/// Which directions a truncated decomposition keeps: those with σ > `thin` + C‖E‖₂, at least two.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Truncation {
+    /// Neighbours from one that is looked at to the next, in x and y.
+    pub(crate) stride: usize,
+    /// Keeps empty directions out where there is no noise.
+    pub(crate) thin: f32,
+    /// C.
+    pub(crate) perturbation: f32,
+}
+
 /// A candidate direction of one pixel.
 #[derive(Clone, Copy, Debug)]
 struct Direction {
@@ -144,39 +155,34 @@ impl<S: Simd> Reduction<S> {
             self.decompose(field, window, settings);
             self.choose_ranks(settings);
         }
-        self.largest_rank = self.rank.iter().copied().max().unwrap_or(0);
-        self.columns = self.largest_rank.next_multiple_of(2).max(2);
         self.fill_basis(window);
     }
 
-    /// Finds rank and basis by the truncated singular value decomposition of Moon et al. 2014, section 4: of the
-    /// features about their mean, directions with σ > `thin` + C‖E‖₂ are kept, at least two. `error` gives ‖E‖_F²,
-    /// expected from the features' own variances, once the window's scales are known; ‖E‖₂ is taken for ‖E‖_F over the
-    /// root of the number of directions, as their program does.
+    /// Finds rank and basis by the truncated singular value decomposition of Moon et al. 2014, section 4, of the
+    /// features about their mean. `error` gives ‖E‖_F², expected from the features' own variances, once the window's
+    /// scales are known; ‖E‖₂ is taken for ‖E‖_F over the root of the number of directions, as their program does.
     #[inline(always)]
     pub(crate) fn truncate(
         &mut self,
         field: &Field,
         window: &mut Window<S>,
-        (stride, thin, perturbation): (usize, f32, f32),
+        how: Truncation,
         error: impl Fn(&Window<S>, Lanes<S>) -> Lanes<S>,
     ) {
         window.normalise(field, Normalisation::Window);
         self.list_features(window);
         self.rank = [0; MOST_LANES];
         if !self.listed.is_empty() {
-            let step = if field.radius > WHOLE_RADIUS { stride } else { 1 };
+            let step = if field.radius > WHOLE_RADIUS { how.stride } else { 1 };
             let shape = (step, Origin::Mean);
             let rows = window.lattice(field, shape, &self.listed, self.width, &mut self.pca.data);
             self.pca.keep_all(self.width, &self.listed, field.features);
             let errors = error(window, rows).to_array();
             for lane in 0..Lanes::<S>::COUNT {
                 self.sort_directions(lane);
-                self.rank[lane] = truncated_rank(&self.found, errors[lane], thin, perturbation);
+                self.rank[lane] = truncated_rank(&self.found, errors[lane], how);
             }
         }
-        self.largest_rank = self.rank.iter().copied().max().unwrap_or(0);
-        self.columns = self.largest_rank.next_multiple_of(2).max(2);
         self.fill_basis(window);
     }
 
@@ -235,6 +241,8 @@ impl<S: Simd> Reduction<S> {
     /// Puts V_k together, scaled, from each pixel's own choice of singular vectors.
     #[inline(always)]
     fn fill_basis(&mut self, window: &Window<S>) {
+        self.largest_rank = self.rank.iter().copied().max().unwrap_or(0);
+        self.columns = self.largest_rank.next_multiple_of(2).max(2);
         let (lanes, width) = (Lanes::<S>::COUNT, self.width);
         for (i, vector) in self.pca.vectors[..width * width].iter().enumerate() {
             vector.store(&mut self.vectors[i * lanes..]);
@@ -253,18 +261,15 @@ impl<S: Simd> Reduction<S> {
 }
 
 /// Rank after truncation, see [`Reduction::truncate`]; `error` is ‖E‖_F².
-fn truncated_rank(directions: &[Direction], error: f32, thin: f32, perturbation: f32) -> usize {
-    let strongest = directions.first().map_or(0.0, |d| d.strength);
-    let existing = directions.iter().take_while(|d| d.strength > EXISTS * strongest).count();
+fn truncated_rank(directions: &[Direction], error: f32, how: Truncation) -> usize {
+    let existing = existing(directions);
     let norm = (error / existing.max(1) as f32).sqrt();
-    let kept = directions.iter().take_while(|d| d.strength > thin + perturbation * norm).count();
+    let kept = directions.iter().take_while(|d| d.strength > how.thin + how.perturbation * norm).count();
     kept.max(LEAST_RANK).min(existing)
 }
 
 /// Rank k from the `directions` of a pixel, strongest first (section 4.3).
 fn rank_of(directions: &[Direction], error_norm: f32, settings: &ReductionSettings) -> usize {
-    let strongest = directions.first().map_or(0.0, |d| d.strength);
-    let existing = directions.iter().take_while(|d| d.strength > EXISTS * strongest).count();
     let by_energy = rank_by_energy(directions, settings);
     let by_perturbation = match settings.method {
         ReductionMethod::Svd => 0,
@@ -277,7 +282,13 @@ fn rank_of(directions: &[Direction], error_norm: f32, settings: &ReductionSettin
         RankRule::Energy => by_energy,
         RankRule::Perturbation => by_perturbation,
     };
-    chosen.max(LEAST_RANK).min(existing)
+    chosen.max(LEAST_RANK).min(existing(directions))
+}
+
+/// How many `directions` are more than rounding.
+fn existing(directions: &[Direction]) -> usize {
+    let strongest = directions.first().map_or(0.0, |d| d.strength);
+    directions.iter().take_while(|d| d.strength > EXISTS * strongest).count()
 }
 
 /// Smallest k₁ whose first singular values hold the wanted share of the energy (eq. 12); 0 when there is none.
@@ -336,11 +347,9 @@ mod tests {
     #[test]
     fn truncation_drops_what_the_features_own_noise_explains() {
         let found = directions(&[6.0, 2.0, 1.5, 0.3, 0.2]);
+        let rank = |error| truncated_rank(&found, error, Truncation { stride: 1, thin: 0.01, perturbation: 4.0 });
         // ‖E‖₂ is √(0.8/5) = 0.4: four times that lies between the second and the third.
-        assert_eq!(truncated_rank(&found, 0.8, 0.01, 4.0), 2);
-        assert_eq!(truncated_rank(&found, 0.2, 0.01, 4.0), 3);
-        assert_eq!(truncated_rank(&found, 0.0, 0.01, 4.0), 5);
-        assert_eq!(truncated_rank(&found, 100.0, 0.01, 4.0), 2);
+        assert_eq!([0.8, 0.2, 0.0, 100.0].map(rank), [2, 3, 5, 2]);
     }
 
     #[test]

@@ -282,13 +282,17 @@ impl<S: Simd> RobustPca<S> {
         for start in (0..self.data.len()).step_by(BLOCK * width) {
             let block = start..(start + BLOCK * width).min(self.data.len());
             self.shrink(block.clone());
-            let (data, target) = (&self.data[block.clone()], &mut self.target[block.clone()]);
-            let (low, sparse) = (&self.low[..data.len()], &mut self.sparse[block]);
-            residual += match order {
-                Order::SparseFirst => sparse_first(simd, data, low, target, sparse, limit * (1.0 / GROWTH), moving),
-                Order::LowRankFirst => low_rank_first(simd, data, low, target, sparse, limit, moving),
+            let rows = Rows {
+                data: &self.data[block.clone()],
+                low: &self.low[..block.len()],
+                target: &mut self.target[block.clone()],
+                sparse: &mut self.sparse[block.clone()],
             };
-            add_gram(simd, &mut self.gram[..width * width], target, width);
+            residual += match order {
+                Order::SparseFirst => rows.update_sparse_first(simd, limit * (1.0 / GROWTH), moving),
+                Order::LowRankFirst => rows.update_low_rank_first(simd, limit, moving),
+            };
+            add_gram(simd, &mut self.gram[..width * width], &self.target[block], width);
         }
         residual.sqrt()
     }
@@ -302,52 +306,49 @@ impl<S: Simd> RobustPca<S> {
     }
 }
 
-/// After A: Y/μ = X − A with the grown μ, E = S(D − A + Y/μ), X = D − E + Y/μ. Returns Σ (D − A − E)² with the E that
-/// A was computed from.
-#[inline(always)]
-fn sparse_first<S: Simd>(
-    simd: S,
-    data: &[Lanes<S>],
-    low: &[Lanes<S>],
-    target: &mut [Lanes<S>],
-    sparse: &mut [Lanes<S>],
-    limit: Lanes<S>,
-    moving: Lanes<S>,
-) -> Lanes<S> {
-    let mut residual = Lanes::splat(simd, 0.0);
-    for (((d, a), x), e) in data.iter().zip(low).zip(target).zip(sparse) {
-        let rest = *d - *a;
-        residual += (rest - *e).squared();
-        let open = rest + (*x - *a) * (1.0 / GROWTH);
-        let clipped = open.clip(limit);
-        *e += (open - clipped - *e) * moving;
-        *x = *a + clipped;
-    }
-    residual
+/// Some rows of the matrices after a low-rank step, all of the same length.
+struct Rows<'a, S: Simd> {
+    /// D.
+    data: &'a [Lanes<S>],
+    /// A, new.
+    low: &'a [Lanes<S>],
+    /// X, which is made anew.
+    target: &'a mut [Lanes<S>],
+    /// E, which moves where its lanes still run.
+    sparse: &'a mut [Lanes<S>],
 }
 
-/// After A: E = S(D − A + Y/μ), then Y/μ = D − A + Y/μ − E, and with the grown μ X = D − E + Y/μ. Returns
-/// Σ (D − A − E)².
-#[inline(always)]
-fn low_rank_first<S: Simd>(
-    simd: S,
-    data: &[Lanes<S>],
-    low: &[Lanes<S>],
-    target: &mut [Lanes<S>],
-    sparse: &mut [Lanes<S>],
-    limit: Lanes<S>,
-    moving: Lanes<S>,
-) -> Lanes<S> {
-    let mut residual = Lanes::splat(simd, 0.0);
-    for (((d, a), x), e) in data.iter().zip(low).zip(target).zip(sparse) {
-        let open = *x - *a + *e;
-        let clipped = open.clip(limit);
-        let shrunk = open - clipped;
-        residual += (*d - *a - shrunk).squared();
-        *e += (shrunk - *e) * moving;
-        *x = *d - shrunk + clipped * (1.0 / GROWTH);
+impl<S: Simd> Rows<'_, S> {
+    /// Y/μ = X − A with the grown μ, E = S(D − A + Y/μ), X = D − E + Y/μ. Returns Σ (D − A − E)² with the E that A was
+    /// computed from.
+    #[inline(always)]
+    fn update_sparse_first(self, simd: S, limit: Lanes<S>, moving: Lanes<S>) -> Lanes<S> {
+        let mut residual = Lanes::splat(simd, 0.0);
+        for (((d, a), x), e) in self.data.iter().zip(self.low).zip(self.target).zip(self.sparse) {
+            let rest = *d - *a;
+            residual += (rest - *e).squared();
+            let open = rest + (*x - *a) * (1.0 / GROWTH);
+            let clipped = open.clip(limit);
+            *e += (open - clipped - *e) * moving;
+            *x = *a + clipped;
+        }
+        residual
     }
-    residual
+
+    /// E = S(D − A + Y/μ), then Y/μ = D − A + Y/μ − E, and with the grown μ X = D − E + Y/μ. Returns Σ (D − A − E)².
+    #[inline(always)]
+    fn update_low_rank_first(self, simd: S, limit: Lanes<S>, moving: Lanes<S>) -> Lanes<S> {
+        let mut residual = Lanes::splat(simd, 0.0);
+        for (((d, a), x), e) in self.data.iter().zip(self.low).zip(self.target).zip(self.sparse) {
+            let open = *x - *a + *e;
+            let clipped = open.clip(limit);
+            let shrunk = open - clipped;
+            residual += (*d - *a - shrunk).squared();
+            *e += (shrunk - *e) * moving;
+            *x = *d - shrunk + clipped * (1.0 / GROWTH);
+        }
+        residual
+    }
 }
 
 #[cfg(test)]

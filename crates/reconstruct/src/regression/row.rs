@@ -9,6 +9,7 @@ use super::curvature::Curvature;
 use super::field::Field;
 use super::lanes::{Lanes, MOST_LANES};
 use super::local_linear::LocalLinear;
+use super::neighbours::Neighbours;
 use super::reduce::Reduction;
 use super::window::Window;
 use super::{RegressionInput, RegressionSettings, STEPS};
@@ -127,11 +128,11 @@ impl<S: Simd> Workspace<S> {
         let reduced = Instant::now();
         projection.find(field, window, &self.reduction, &settings.bandwidth);
         let projected = Instant::now();
-        self.curvature.find(field, (window, window), projection, rank, &settings.curvature);
+        let neighbours = Neighbours { field, window, projection, rank, trust: window };
+        self.curvature.find(&neighbours, &settings.curvature);
         let bent = Instant::now();
-        let factors = &self.curvature.factors;
         let (estimate, alone) =
-            self.local_linear.estimate(field, (window, window), projection, factors, rank, &settings.local_linear);
+            self.local_linear.estimate(&neighbours, &self.curvature.factors, &settings.local_linear);
         let times = [begin, reduced, projected, bent, Instant::now()];
         for (sum, step) in seconds.iter_mut().zip(times.windows(2)) {
             *sum += (step[1] - step[0]).as_secs_f64();

@@ -11,7 +11,8 @@ use crate::regression::curvature::Curvature;
 use crate::regression::field::Field;
 use crate::regression::lanes::{Lanes, MOST_LANES};
 use crate::regression::local_linear::{Estimate, LocalLinear};
-use crate::regression::reduce::Reduction;
+use crate::regression::neighbours::Neighbours;
+use crate::regression::reduce::{Reduction, Truncation};
 use crate::regression::window::Window;
 
 /// What all rows share.
@@ -85,26 +86,35 @@ impl<S: Simd> Workspace<S> {
         self.window.move_to(field, x, y);
         let start = field.size.index(x, y);
         let simd = self.simd;
-        let shape = (shared.regression.reduction.stride, shared.wlr.thin, shared.wlr.perturbation);
-        self.reduction.truncate(field, &mut self.window, shape, |window, rows| {
-            expected_error(simd, shared, window, start) * rows
-        });
+        let WlrSettings { thin, perturbation, .. } = *shared.wlr;
+        let how = Truncation { stride: shared.regression.reduction.stride, thin, perturbation };
+        self.reduction
+            .truncate(field, &mut self.window, how, |window, rows| expected_error(simd, shared, window, start) * rows);
         self.projection.find(field, &self.window, &self.reduction, &BandwidthSettings::DEFAULT);
         self.steady.by_variance(field, &self.window);
         self.confident.by_confidence(&self.steady, field, &self.window, shared.wlr);
-        let rank = self.reduction.largest_rank;
-        let trusted = (&self.window, &self.steady);
-        self.curvature.find(field, trusted, &self.projection, rank, &shared.regression.curvature);
+        let neighbours = Neighbours {
+            field,
+            window: &self.window,
+            projection: &self.projection,
+            rank: self.reduction.largest_rank,
+            trust: &self.steady,
+        };
+        self.curvature.find(&neighbours, &shared.regression.curvature);
     }
 
     /// The local linear fit with shared bandwidth `h`.
     #[inline(always)]
     fn fit(&mut self, shared: &Shared, h: Lanes<S>) -> Estimate<S> {
         self.projection.shared = h;
-        let (factors, rank) = (&self.curvature.factors, self.reduction.largest_rank);
-        let trusted = (&self.window, &self.confident);
-        let settings = &shared.regression.local_linear;
-        self.local_linear.estimate(shared.field, trusted, &self.projection, factors, rank, settings).0
+        let neighbours = Neighbours {
+            field: shared.field,
+            window: &self.window,
+            projection: &self.projection,
+            rank: self.reduction.largest_rank,
+            trust: &self.confident,
+        };
+        self.local_linear.estimate(&neighbours, &self.curvature.factors, &shared.regression.local_linear).0
     }
 }
 
