@@ -4,7 +4,7 @@
 use stack::{Cancelled, Monitor, Size};
 
 use crate::exp::exp_of_negative;
-use crate::patch_distance::{Comparison, NoisyPlanes, PatchDistance};
+use crate::patch_distance::{NoisyPlanes, PatchComparison, PatchDistance};
 use crate::pieces::of_each;
 use crate::rectangle::{Rectangle, put_together, tiles_of};
 
@@ -17,7 +17,7 @@ pub struct Guide<'a> {
     /// The planes that are compared.
     pub planes: NoisyPlanes<'a>,
     /// How their patches are compared.
-    pub comparison: Comparison,
+    pub comparison: PatchComparison,
     /// Radius of the window, in pixels.
     pub radius: usize,
 }

@@ -18,7 +18,7 @@ pub struct NoisyPlanes<'a> {
 
 /// How patches are compared.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Comparison {
+pub struct PatchComparison {
     /// Patches have (2·`patch_radius` + 1)² pixels.
     pub patch_radius: usize,
     /// ε of eq. 10.
@@ -32,7 +32,7 @@ pub struct Comparison {
 #[derive(Debug)]
 pub struct PatchDistance<'a> {
     planes: NoisyPlanes<'a>,
-    comparison: Comparison,
+    comparison: PatchComparison,
     row: Vec<f32>,
     partial: Vec<f32>,
     across: Vec<f32>,
@@ -40,7 +40,7 @@ pub struct PatchDistance<'a> {
 
 impl<'a> PatchDistance<'a> {
     /// Compares patches of `planes`.
-    pub fn new(planes: NoisyPlanes<'a>, comparison: Comparison) -> Self {
+    pub fn new(planes: NoisyPlanes<'a>, comparison: PatchComparison) -> Self {
         Self { planes, comparison, row: Vec::new(), partial: Vec::new(), across: Vec::new() }
     }
 
@@ -111,7 +111,7 @@ impl<'a> PatchDistance<'a> {
 
 /// D(c, q) of eq. 10 summed over channels, for consecutive pixels c from `here` and q from `there`.
 #[inline(always)]
-pub fn pixel_distances(planes: NoisyPlanes, here: usize, there: usize, comparison: Comparison, out: &mut [f32]) {
+fn pixel_distances(planes: NoisyPlanes, here: usize, there: usize, comparison: PatchComparison, out: &mut [f32]) {
     if let ([a, b, c], [va, vb, vc]) = (planes.values, planes.variances) {
         // Colours, and most features: all three channels at once.
         return three_channels([a, b, c], [va, vb, vc], [here, there], comparison, out);
@@ -132,7 +132,7 @@ fn three_channels(
     values: [&Vec<f32>; 3],
     variances: [&Vec<f32>; 3],
     [here, there]: [usize; 2],
-    comparison: Comparison,
+    comparison: PatchComparison,
     out: &mut [f32],
 ) {
     let count = out.len();
@@ -146,7 +146,7 @@ fn three_channels(
 
 /// D(c, q) of eq. 10 for one channel.
 #[inline(always)]
-fn distance(y_c: f32, y_q: f32, var_c: f32, var_q: f32, comparison: Comparison) -> f32 {
+fn distance(y_c: f32, y_q: f32, var_c: f32, var_q: f32, comparison: PatchComparison) -> f32 {
     let difference = y_c - y_q;
     let least = if var_c < var_q { var_c } else { var_q };
     (difference * difference - comparison.noise_taken_off * (var_c + least)) / (comparison.epsilon + var_c + var_q)
@@ -158,7 +158,7 @@ pub(crate) mod tests {
     use crate::test_noise::TestNoise;
 
     /// Eq. 11 as it stands, pixel by pixel, in double precision.
-    pub fn distance_twin(planes: NoisyPlanes, c: [isize; 2], q: [isize; 2], comparison: Comparison) -> f64 {
+    pub fn distance_twin(planes: NoisyPlanes, c: [isize; 2], q: [isize; 2], comparison: PatchComparison) -> f64 {
         let reach = comparison.patch_radius as isize;
         let [epsilon, taken_off] = [comparison.epsilon, comparison.noise_taken_off].map(f64::from);
         let (w, h) = (planes.size.width as isize, planes.size.height as isize);
@@ -190,8 +190,8 @@ pub(crate) mod tests {
         [values, variances]
     }
 
-    fn comparison(patch_radius: usize) -> Comparison {
-        Comparison { patch_radius, epsilon: 1e-4, noise_taken_off: 1.0 }
+    fn comparison(patch_radius: usize) -> PatchComparison {
+        PatchComparison { patch_radius, epsilon: 1e-4, noise_taken_off: 1.0 }
     }
 
     #[test]

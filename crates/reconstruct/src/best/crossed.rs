@@ -4,7 +4,7 @@ use stack::{Cancelled, Monitor, Size};
 
 use super::settings::FitSettings;
 use crate::collaborative::{Fitted, Guides, Kernel, Ridge, collaborate, units};
-use crate::patch_distance::Comparison;
+use crate::patch_distance::PatchComparison;
 
 /// Two noisy halves, and what explains them.
 #[derive(Clone, Copy)]
@@ -51,7 +51,7 @@ impl Crossed<'_> {
             size: self.size,
             values: &[b, a],
             variances: self.variances,
-            comparison: Comparison { patch_radius: 2, epsilon: 1e-8, noise_taken_off: 1.0 },
+            comparison: PatchComparison { patch_radius: 2, epsilon: 1e-8, noise_taken_off: 1.0 },
             radius: settings.first_radius,
         };
         let kernel = Kernel { bandwidth: settings.first_bandwidth, sigma: f32::INFINITY };

@@ -12,7 +12,7 @@ use super::settings::{BestSettings, FeatureSettings};
 use crate::bands::rows_of;
 use crate::completion::has_depth;
 use crate::nl_means::{Guide, nl_means, units};
-use crate::patch_distance::{Comparison, NoisyPlanes};
+use crate::patch_distance::{NoisyPlanes, PatchComparison};
 use crate::prefilter::{FeatureSet, PrefilterError, VarianceSource, check, normalised, regressors};
 
 /// Features that explain a picture, and those among them that tell surfaces apart.
@@ -174,7 +174,7 @@ fn filtered(
     };
     let guide = Guide {
         planes: NoisyPlanes { size: feature.estimate.mean.size(), values: &planes, variances: &variances },
-        comparison: Comparison { patch_radius: settings.patch_radius, epsilon: 1e-8, noise_taken_off: 1.0 },
+        comparison: PatchComparison { patch_radius: settings.patch_radius, epsilon: 1e-8, noise_taken_off: 1.0 },
         radius: settings.radius,
     };
     nl_means(&guide, settings.bandwidth, &planes, monitor)

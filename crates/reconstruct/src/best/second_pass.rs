@@ -8,7 +8,7 @@ use super::halves::{halves_of, luminance};
 use super::settings::FitSettings;
 use crate::box_filter::box_mean_twice;
 use crate::collaborative::{Fitted, Guides, Kernel, Ridge, collaborate, units};
-use crate::patch_distance::Comparison;
+use crate::patch_distance::PatchComparison;
 use crate::per_pixel::plane;
 
 /// Bandwidths of the candidates that are as wide as their window; where only a few are made, all but the last.
@@ -59,7 +59,7 @@ pub fn second_pass(
         size,
         values: &[pilot.channels()],
         variances: &scale,
-        comparison: Comparison { patch_radius: PATCH_RADIUS, epsilon: 1e-8, noise_taken_off: 0.0 },
+        comparison: PatchComparison { patch_radius: PATCH_RADIUS, epsilon: 1e-8, noise_taken_off: 0.0 },
         radius: settings.second_radius,
     };
     let fitted = Fitted {

@@ -9,7 +9,7 @@ use crate::per_pixel;
 use crate::reconstruction::Reconstruction;
 
 /// Moments of a pixel.
-pub const MOMENTS: usize = 12;
+const MOMENTS: usize = 12;
 /// Scales on which they are smoothed.
 pub const LEVELS: usize = 3;
 

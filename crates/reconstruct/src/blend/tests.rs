@@ -36,7 +36,6 @@ fn an_exact_picture_helps_and_useless_ones_do_no_harm() {
     let black = scene.ratio(&flat(SIZE, 0.0));
     let noisy = scene.ratio(&scene.stack.beauty());
     let other = scene.ratio(&with_noise(&scene.truth, 0.3, &mut TestNoise(9)));
-    println!("exact {exact} black {black} noisy {noisy} other {other}");
     assert!(exact < 0.8, "{exact}");
     for useless in [black, noisy, other] {
         assert!(useless < 1.02, "{useless}");

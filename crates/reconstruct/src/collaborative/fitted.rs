@@ -3,7 +3,7 @@
 use stack::Size;
 
 use crate::eight::LANES;
-use crate::patch_distance::Comparison;
+use crate::patch_distance::PatchComparison;
 
 /// Pictures that share their variance, each of which tells which pixels resemble each other.
 #[derive(Clone, Copy, Debug)]
@@ -15,7 +15,7 @@ pub struct Guides<'a> {
     /// Variance of each value, one plane per channel, finite and ≥ 0.
     pub variances: &'a [Vec<f32>],
     /// How patches are compared.
-    pub comparison: Comparison,
+    pub comparison: PatchComparison,
     /// Radius of the window, in pixels.
     pub radius: usize,
 }

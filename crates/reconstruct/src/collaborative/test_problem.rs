@@ -4,7 +4,7 @@ use stack::Size;
 
 use super::row::{FEATURES, RESPONSES, Row, WIDTH};
 use super::{Fitted, Guides, Predicted, Ridge};
-use crate::patch_distance::Comparison;
+use crate::patch_distance::PatchComparison;
 use crate::patch_distance::tests::random_planes;
 use crate::test_noise::TestNoise;
 
@@ -85,7 +85,7 @@ impl Problem {
             size: self.size,
             values,
             variances: &self.variances,
-            comparison: Comparison { patch_radius: 1, epsilon: 1e-6, noise_taken_off: 1.0 },
+            comparison: PatchComparison { patch_radius: 1, epsilon: 1e-6, noise_taken_off: 1.0 },
             radius,
         }
     }

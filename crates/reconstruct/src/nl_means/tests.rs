@@ -4,10 +4,10 @@ use stack::Silent;
 
 use super::*;
 use crate::patch_distance::tests::{distance_twin, random_planes};
-use crate::patch_distance::{Comparison, NoisyPlanes};
+use crate::patch_distance::{NoisyPlanes, PatchComparison};
 use crate::test_noise::TestNoise;
 
-const COMPARISON: Comparison = Comparison { patch_radius: 1, epsilon: 1e-6, noise_taken_off: 1.0 };
+const COMPARISON: PatchComparison = PatchComparison { patch_radius: 1, epsilon: 1e-6, noise_taken_off: 1.0 };
 
 fn guide<'a>(size: Size, [values, variances]: [&'a [Vec<f32>]; 2], radius: usize) -> Guide<'a> {
     Guide { planes: NoisyPlanes { size, values, variances }, comparison: COMPARISON, radius }

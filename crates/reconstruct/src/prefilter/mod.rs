@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use stack::{Cancelled, Fault, Feature, FeatureRole, FeatureStack, Monitor, Size};
 
 use crate::nl_means::{Guide, nl_means};
-use crate::patch_distance::{Comparison, NoisyPlanes};
+use crate::patch_distance::{NoisyPlanes, PatchComparison};
 use crate::variance::smoothed;
 use normalise::NormalisedFeature;
 pub(crate) use normalise::{normalised, normalised_halves};
@@ -201,7 +201,7 @@ fn filtered(
         FeatureFilter::Pixel => propagate(0),
         FeatureFilter::Patch => propagate(patch_radius),
         FeatureFilter::NlMeans => {
-            let comparison = Comparison { patch_radius, epsilon, noise_taken_off: 1.0 };
+            let comparison = PatchComparison { patch_radius, epsilon, noise_taken_off: 1.0 };
             nl_means(&Guide { planes, comparison, radius }, settings.nl_bandwidth, planes.values, monitor)
         }
     };

@@ -8,7 +8,7 @@ use stack::{Cancelled, Monitor};
 
 use super::paths::{NEIGHBOURS, Step, steps};
 use crate::exp::exp_of_negative;
-use crate::patch_distance::{Comparison, NoisyPlanes, PatchDistance};
+use crate::patch_distance::{NoisyPlanes, PatchComparison, PatchDistance};
 use crate::pieces::of_each;
 use crate::rectangle::{Rectangle, put_together, tiles_of};
 
@@ -66,7 +66,8 @@ struct TileFilter<'a> {
 impl<'a> TileFilter<'a> {
     fn new(planes: NoisyPlanes<'a>, shape: Shape, tile: Rectangle) -> Self {
         let pixels = tile.width() * tile.height();
-        let comparison = Comparison { patch_radius: shape.patch_radius, epsilon: shape.epsilon, noise_taken_off: 1.0 };
+        let comparison =
+            PatchComparison { patch_radius: shape.patch_radius, epsilon: shape.epsilon, noise_taken_off: 1.0 };
         let crossed = tile.grown(shape.radius.saturating_sub(1), planes.size);
         Self {
             planes,
@@ -170,7 +171,7 @@ mod tests {
     fn twin(planes: NoisyPlanes, shape: Shape) -> Vec<Vec<f64>> {
         let (w, h) = (planes.size.width as isize, planes.size.height as isize);
         let Shape { patch_radius, epsilon, .. } = shape;
-        let d = |a, b| distance_twin(planes, a, b, Comparison { patch_radius, epsilon, noise_taken_off: 1.0 });
+        let d = |a, b| distance_twin(planes, a, b, PatchComparison { patch_radius, epsilon, noise_taken_off: 1.0 });
         let mut out = vec![Vec::new(); planes.values.len()];
         for c in (0..h).flat_map(|y| (0..w).map(move |x| [x, y])) {
             let r = shape.radius as isize;

@@ -40,7 +40,7 @@ impl Default for AlmSettings {
 
 /// A matrix D taken apart: D ≈ A + E. With few iterations the sum misses D (after one, visibly).
 #[derive(Clone, Debug, PartialEq)]
-pub struct Alm {
+struct Alm {
     /// A, of low rank.
     pub low_rank: DMatrix<f64>,
     /// E, with few entries other than zero.
@@ -57,7 +57,7 @@ const GROWTH_LIMIT: f64 = 1e7;
 
 /// Decomposes `matrix` (any shape) into a low-rank and a sparse part (eq. 9). Non-finite entries count as zero; for a
 /// matrix of zeros both parts are zero.
-pub fn inexact_alm(matrix: &DMatrix<f64>, settings: &AlmSettings) -> Alm {
+fn inexact_alm(matrix: &DMatrix<f64>, settings: &AlmSettings) -> Alm {
     let Some(mut iterate) = Iterate::start(matrix, settings.lambda) else { return nothing(matrix) };
     let mut iterations = 0;
     while iterations < settings.iterations {

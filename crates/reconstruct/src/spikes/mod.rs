@@ -4,7 +4,7 @@
 //! Directly seen lamps must not be in the picture: their light is a component of its own, and beside it nothing of the
 //! tile would look like a spike.
 
-pub mod alm;
+mod alm;
 mod lbf;
 pub(crate) mod replace;
 mod shrinkage;
@@ -13,7 +13,8 @@ mod tiles;
 
 use stack::{Cancelled, Image, Monitor};
 
-use alm::{AlmSettings, UpdateOrder};
+use alm::AlmSettings;
+pub use alm::UpdateOrder;
 
 stack::knob_choice! {
     /// What is taken for a spike.

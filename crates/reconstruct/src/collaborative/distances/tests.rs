@@ -4,7 +4,7 @@ use stack::Size;
 
 use super::*;
 use crate::patch_distance::tests::{distance_twin, random_planes};
-use crate::patch_distance::{Comparison, NoisyPlanes};
+use crate::patch_distance::{NoisyPlanes, PatchComparison};
 
 const SIZE: Size = Size::new(17, 12);
 
@@ -45,7 +45,7 @@ fn guides<'a>(
         size: SIZE,
         values,
         variances,
-        comparison: Comparison { patch_radius, epsilon: 1e-4, noise_taken_off },
+        comparison: PatchComparison { patch_radius, epsilon: 1e-4, noise_taken_off },
         radius,
     }
 }

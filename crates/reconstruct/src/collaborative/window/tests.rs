@@ -3,7 +3,7 @@
 use stack::Size;
 
 use super::*;
-use crate::patch_distance::Comparison;
+use crate::patch_distance::PatchComparison;
 use crate::rectangle::Rectangle;
 
 const SIZE: Size = Size::new(7, 5);
@@ -21,7 +21,7 @@ fn fetched(centre: [usize; 2], distances: &[Lanes], layout: &Layout) -> (Region,
     let tile = Rectangle { x0: 2, y0: 1, x1: 7, y1: 5 };
     let planes: Vec<&[f32]> = planes.iter().map(Vec::as_slice).collect();
     let region = Region::cut(&planes, SIZE, tile, 1);
-    let comparison = Comparison { patch_radius: 0, epsilon: 1.0, noise_taken_off: 0.0 };
+    let comparison = PatchComparison { patch_radius: 0, epsilon: 1.0, noise_taken_off: 0.0 };
     let guides = Guides { size: SIZE, values: &[], variances: &[], comparison, radius: 1 };
     let mut window = Window::new(&guides, region.width());
     window.weigh(distances, 1.0, &[IN_WINDOW; 3]);

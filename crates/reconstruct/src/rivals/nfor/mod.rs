@@ -21,7 +21,7 @@ use crate::Settings;
 use crate::box_filter::box_mean;
 use crate::collaborative::{Fitted, Guides, Kernel, Ridge, collaborate, units};
 use crate::components::variance_of;
-use crate::patch_distance::Comparison;
+use crate::patch_distance::PatchComparison;
 use crate::prefilter::FeatureSet;
 use crate::reconstruction::{ReconstructError, Reconstruction};
 use crate::recorruption::recorrupted_halves;
@@ -149,8 +149,8 @@ fn regression(
 }
 
 /// Patches as Rousselle et al. 2012 compare them.
-fn comparison(patch_radius: usize) -> Comparison {
-    Comparison { patch_radius, epsilon: 1e-7, noise_taken_off: 1.0 }
+fn comparison(patch_radius: usize) -> PatchComparison {
+    PatchComparison { patch_radius, epsilon: 1e-7, noise_taken_off: 1.0 }
 }
 
 /// Mean of two halves, and its variance as their difference tells it.
