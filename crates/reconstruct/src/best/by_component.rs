@@ -48,7 +48,7 @@ impl<'a> Components<'a> {
     /// A component by itself, or direct and indirect light by themselves.
     ///
     /// # Errors
-    /// When the component's noise does not come in buckets, or `monitor` cancels.
+    /// When nothing is known about the component's noise, or `monitor` cancels.
     pub fn rebuilt(&self, light: Light, monitor: &dyn Monitor) -> Result<Reconstruction, ReconstructError> {
         let Self { recipe, exposure, .. } = *self;
         let passes: Cow<[Image]> = match exposure {
@@ -81,8 +81,8 @@ impl<'a> Components<'a> {
             sum.add(rebuild(&recipe, Cow::Owned(direct), monitor)?);
         }
         if is_lit(&indirect) {
-            let guided = with_direct_light(features, &sum.picture, settings.light.direct_guide);
-            let (features, beside) = (guided.as_ref().unwrap_or(features), Some(&sum.picture));
+            let extended = with_direct_light(features, &sum.picture, settings.light.direct_guide);
+            let (features, beside) = (extended.as_ref().unwrap_or(features), Some(&sum.picture));
             let recipe = Recipe { features, beside, ..self.recipe };
             sum.add(rebuild(&recipe, Cow::Owned(indirect), monitor)?);
         }

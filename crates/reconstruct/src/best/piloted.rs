@@ -52,7 +52,7 @@ impl<'a> Piloted<'a> {
     /// All steps up to the second pass. A `component` that is owned is freed as soon as its layers are made.
     ///
     /// # Errors
-    /// When its noise does not come in buckets, or `monitor` cancels.
+    /// When nothing is known about its noise, or `monitor` cancels.
     pub fn new(
         recipe: &Recipe<'a>,
         component: Cow<'_, Component>,

@@ -19,7 +19,7 @@ use crate::reconstruction::{ReconstructError, Reconstruction};
 /// Rebuilds the scattered light `component`. One that is owned is freed as soon as nothing needs it.
 ///
 /// # Errors
-/// When its noise does not come in buckets, or `monitor` cancels.
+/// When nothing is known about its noise, or `monitor` cancels.
 pub fn rebuild(
     recipe: &Recipe,
     component: Cow<'_, Component>,

@@ -18,7 +18,7 @@ use crate::reconstruction::{ReconstructError, Reconstruction};
 /// Rebuilds the picture of a complete `stack`; the `chooser` helps to mix candidates, where there is one.
 ///
 /// # Errors
-/// When a feature does not fit its role or the stack, noise does not come in buckets, the network would be asked about
+/// When a feature does not fit its role or the stack, nothing is known about noise, the network would be asked about
 /// candidates that it does not know, or `monitor` cancels.
 pub fn reconstruct(
     stack: &FeatureStack,

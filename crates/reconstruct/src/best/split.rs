@@ -27,7 +27,7 @@ pub use layers::{Events, Layers, LowLayer};
 /// Splits `component`: by its buckets, or, where nothing but a variance is known of its noise, by its neighbours alone.
 ///
 /// # Errors
-/// When its noise comes in neither.
+/// When nothing is known of it.
 pub fn split(
     component: &Component,
     counts: &SampleCounts,

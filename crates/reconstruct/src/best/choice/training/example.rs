@@ -74,9 +74,9 @@ impl Example {
             let features = &features;
             let recipe = Recipe { settings: &of_direct, ..picture.recipe(features, None) };
             let rebuilt = rebuild(&recipe, Cow::Borrowed(&direct.component), monitor)?.picture;
-            let guided = with_direct_light(features, &rebuilt, settings.light.direct_guide);
+            let extended = with_direct_light(features, &rebuilt, settings.light.direct_guide);
             examples.push(picture.example(direct, features, None, monitor)?);
-            examples.push(picture.example(indirect, guided.as_ref().unwrap_or(features), Some(&rebuilt), monitor)?);
+            examples.push(picture.example(indirect, extended.as_ref().unwrap_or(features), Some(&rebuilt), monitor)?);
         }
         Ok(examples)
     }
