@@ -53,7 +53,7 @@ impl Film {
             },
             radiance: vec![Image::zeros(window.size, RADIANCE_CHANNELS); buckets as usize],
             features: vec![Image::zeros(window.size, FEATURE_CHANNELS); groups],
-            leaving: vec![LeavingLight::default(); groups],
+            leaving: no_light(groups),
         }
     }
 
@@ -142,6 +142,12 @@ impl Film {
         });
         tiles.par_iter_mut().for_each(|sums| sums.gather(&self.leaving));
     }
+}
+
+/// What leaves surfaces for each of so many `groups` of buckets, before there are paths. It learns on all threads.
+fn no_light(groups: usize) -> Vec<LeavingLight> {
+    let parts = rayon::current_num_threads().div_ceil(groups.max(1));
+    vec![LeavingLight::in_parts(parts); groups]
 }
 
 /// Combines means over `counts(pixel)[0]` samples with `sums` to means over `counts(pixel)[1]` samples.

@@ -9,7 +9,6 @@ use stack::{
 
 use super::sample::{self, FEATURE_CHANNELS, RADIANCE_CHANNELS};
 use super::{Film, NotAFilm, feature_groups};
-use crate::gather::LeavingLight;
 
 /// Channels of each component in a bucket's image.
 fn component_channels() -> impl Iterator<Item = (ComponentRole, Range<usize>)> {
@@ -97,7 +96,7 @@ impl Film {
             counts: stack.samples,
             radiance: images(radiance),
             features: images(features),
-            leaving: vec![LeavingLight::default(); groups],
+            leaving: super::no_light(groups),
         })
     }
 }

@@ -18,7 +18,7 @@ fn together(count: u32) -> Vec<GatherPoint> {
 }
 
 fn learned(points: &[GatherPoint]) -> LeavingLight {
-    let mut light = LeavingLight::default();
+    let mut light = LeavingLight::in_parts(1);
     light.learn(|| points.iter().copied());
     light
 }
@@ -69,7 +69,7 @@ fn more_paths_share_smaller_cells() {
         (0..count).map(|i| point(Vec3::new(at(i) as f32, 1e-4, 1e-4), 1.0, at(i) as f32)).collect()
     };
     let error = |count| {
-        let (points, mut light) = (rise(count), LeavingLight::default());
+        let (points, mut light) = (rise(count), LeavingLight::in_parts(1));
         for pass in points.chunks(2000) {
             light.learn(|| pass.iter().copied());
         }
@@ -126,4 +126,32 @@ fn paths_blind_to_a_colour_do_not_darken_it() {
     assert_eq!(learned(&[vec![red; 100], points].concat()), light);
     assert_eq!(light.arriving(&red) * Vec3::new(0.0, 1.0, 1.0), Vec3::ZERO);
     assert!(red.is_finite() && !GatherPoint { found: Vec3::NAN, ..red }.is_finite());
+}
+
+#[test]
+fn the_number_of_parts_changes_no_bit() {
+    // Over the whole floor, most of them in a corner: cells of several sizes fill.
+    let mut random = crate::bvh::random::Random(3);
+    let mut some = |count: usize| -> Vec<GatherPoint> {
+        (0..count)
+            .map(|i| {
+                let [at, found] = [0, 1].map(|_| 0.5 + 0.5 * random.point());
+                point(at * at * at, 0.05 + found.y, found.x + i as f32)
+            })
+            .collect()
+    };
+    let passes = [some(4000), some(4000), some(40)];
+    let arriving = |parts: usize| -> Vec<[u32; 3]> {
+        let mut light = LeavingLight::in_parts(parts);
+        passes.iter().for_each(|points| light.learn(|| points.iter().copied()));
+        passes.iter().flatten().map(|point| light.arriving(point).to_array().map(f32::to_bits)).collect()
+    };
+    let whole = arriving(1);
+    assert!(
+        whole
+            .iter()
+            .zip(passes.iter().flatten())
+            .any(|(bits, point)| *bits != point.found.to_array().map(f32::to_bits))
+    );
+    assert!([2, 3, 8, 64].into_iter().all(|parts| arriving(parts) == whole));
 }
