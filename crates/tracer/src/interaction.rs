@@ -18,6 +18,8 @@ pub struct Interaction<'a> {
     pub shading_normal: Vec3,
     /// Texture coordinates; zero where the mesh has none.
     pub uv: Vec2,
+    /// Colour of the vertices, which multiplies that of the surface; white where the mesh has none.
+    pub tint: Vec3,
     /// Unit direction back along the ray.
     pub outgoing: Vec3,
     /// Distance along the ray.

@@ -56,6 +56,18 @@ impl Grey {
     }
 }
 
+/// What the colours of a mesh's vertices are multiplied with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Tinted {
+    /// The colour of the surface: diffuse, of metal, or tint of glass.
+    #[default]
+    Base,
+    /// What it emits.
+    Emission,
+    /// Nothing: another file says the same colours better.
+    Nothing,
+}
+
 /// What may vary over a surface beside its colours.
 #[derive(Clone, Debug, Default)]
 pub struct SurfaceMaps {
@@ -68,6 +80,8 @@ pub struct SurfaceMaps {
     pub roughness: Option<Arc<GreyTexture>>,
     /// Share of a coated surface that is a metal of the base's colour, 0 … 1.
     pub metallic: Option<Grey>,
+    /// What colours of vertices change.
+    pub tinted: Tinted,
     /// What single scattering by rough glass sends on; found out when first needed, for all materials alike.
     glass_albedo: OnceLock<Table<GlassAlbedo>>,
     /// The same of rough metal.

@@ -6,7 +6,7 @@ use super::frame::Frame;
 use super::{Coated, Conductor, Diffuse, Glass, Lobe, Mirror, RoughGlass, Scattered, ThinGlass, fresnel};
 use crate::interaction::Interaction;
 use crate::light::Receiver;
-use crate::material::{Colour, Grey, Material, Surface, SurfaceMaps};
+use crate::material::{Colour, Grey, Material, Surface, SurfaceMaps, Tinted};
 
 /// Metals and glass smoother than this are perfectly smooth: their highlight is narrower than any pixel.
 const SMOOTH_ALPHA: f32 = 1e-3;
@@ -198,8 +198,9 @@ fn above(direction: Vec3) -> Vec3 {
 /// The lobe and the albedo feature of `interaction`'s material, seen from the outside or not, with cosine `cosine`.
 fn lobe_at(interaction: &Interaction, outside: bool, cosine: f32) -> (Lobe, Vec3) {
     let uv = interaction.uv;
-    let colour = |colour: &Colour| colour_at(colour, uv);
     let maps = &interaction.material.maps;
+    let tint = if maps.tinted == Tinted::Base { interaction.tint } else { Vec3::ONE };
+    let colour = |colour: &Colour| tint * colour_at(colour, uv);
     let roughness = |alpha: &f32| maps.roughness.as_ref().map_or(*alpha, |map| alpha * map.lookup(uv).powi(2));
     match &interaction.material.surface {
         Surface::Diffuse { reflectance } => {
@@ -229,7 +230,7 @@ fn lobe_at(interaction: &Interaction, outside: bool, cosine: f32) -> (Lobe, Vec3
             (conductor(reflectance, [*alpha, roughness(alpha)], cosine, maps), reflectance)
         }
         Surface::Coated { diffuse, specular, alpha } => {
-            let (diffuse, specular) = (colour(diffuse), colour(specular));
+            let (diffuse, specular) = (colour(diffuse), colour_at(specular, uv));
             let metallic = maps.metallic.as_ref().map_or(0.0, |metallic| metallic.at(uv).clamp(0.0, 1.0));
             if metallic >= 1.0 {
                 return (conductor(diffuse, [*alpha, roughness(alpha)], cosine, maps), diffuse);
@@ -276,6 +277,7 @@ mod tests {
             geometric_normal: normals[0],
             shading_normal: normals[1],
             uv: Vec2::ZERO,
+            tint: Vec3::ONE,
             outgoing,
             distance: 1.0,
             time: 0.0,

@@ -25,6 +25,7 @@ pub(crate) use tree::LightTree;
 
 use crate::Ray;
 use crate::interaction::Interaction;
+use crate::material::Tinted;
 use crate::scene::{EmissiveTriangle, Scene};
 
 /// The sky is found by following surfaces, wherever it is seen at all; lamps are not. So the sky takes no more than
@@ -121,6 +122,7 @@ impl<'a> Lights<'a> {
         let triangle = self.scene.emitter_at(emitter as usize, seen.time);
         match triangle.normal.dot(seen.outgoing) > 0.0 {
             false => Vec3::ZERO,
+            true if seen.material.maps.tinted == Tinted::Emission => seen.tint * seen.material.emission.at(seen.uv),
             true if triangle.varies => seen.material.emission.at(seen.uv),
             true => triangle.radiance,
         }

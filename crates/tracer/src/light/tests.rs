@@ -42,6 +42,7 @@ pub(super) fn floor_point(material: &Material) -> Interaction<'_> {
         geometric_normal: Vec3::Y,
         shading_normal: Vec3::Y,
         uv: Vec2::ZERO,
+        tint: Vec3::ONE,
         outgoing: Vec3::Y,
         distance: 1.0,
         time: 0.0,

@@ -64,6 +64,7 @@ fn the_map_finds_all_photons_near_a_point_on_its_surface() {
             geometric_normal: normal,
             shading_normal: normal,
             uv: Vec2::ZERO,
+            tint: Vec3::ONE,
             outgoing: normal,
             distance: 1.0,
             time: 0.0,

@@ -16,7 +16,7 @@ impl Scene {
         let mesh = &self.meshes[self.placed[placed].mesh].mesh;
         let material = &self.materials[mesh.materials[hit.triangle as usize] as usize];
         let Some(opacity) = &material.maps.opacity else { return true };
-        let opacity = opacity.at(mesh.uv(hit));
+        let opacity = opacity.at(mesh.uv(hit)) * mesh.colour(hit).w;
         opacity > 0.0 && (opacity >= 1.0 || opacity > number(ray, placed, hit.triangle))
     }
 }

@@ -2,13 +2,13 @@
 
 use std::borrow::Cow;
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 
 use super::instance::Placed;
 use super::mesh::IndexedMesh;
 use super::motion::MovingPlacement;
 use super::{Bounds, Scene};
-use crate::material::Material;
+use crate::material::{Material, Tinted};
 
 /// A triangle that emits on the side its normal points to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +23,8 @@ pub struct EmissiveTriangle {
     pub radiance: Vec3,
     /// Texture coordinates of the corners.
     pub uvs: [Vec2; 3],
+    /// What multiplies emission and opacity at the corners.
+    pub tints: [Vec4; 3],
     /// Index of its material.
     pub material: u32,
     /// Whether emission or opacity vary over it.
@@ -89,17 +91,38 @@ pub(super) fn emitters_of<'a>(
         let normal = cross.normalize().as_vec3();
         let index = mesh.mesh.materials[t];
         let material = &materials[index as usize];
+        let tints = tints(mesh, t, material);
+        let tint = (tints[0] + tints[1] + tints[2]).truncate() / 3.0;
         EmissiveTriangle {
             vertices,
             normal,
             area: (0.5 * cross.length()) as f32,
-            radiance: material.emission.mean(),
+            radiance: if is_tinted(mesh, material) {
+                tint * material.emission.mean()
+            } else {
+                material.emission.mean()
+            },
+            tints,
             uvs: mesh.mesh.corner_uvs(t as u32),
             material: index,
-            varies: material.emission.texture.is_some() || material.maps.opacity.is_some(),
+            varies: material.emission.texture.is_some() || material.maps.opacity.is_some() || is_tinted(mesh, material),
             moves_as: placed.moving.map(|_| (number, t as u32)),
         }
     })
+}
+
+/// Whether the colours of the vertices of `mesh` change what `material` emits.
+fn is_tinted(mesh: &IndexedMesh, material: &Material) -> bool {
+    material.maps.tinted == Tinted::Emission && !mesh.mesh.colours.is_empty()
+}
+
+/// What multiplies emission and opacity of triangle `triangle` of `mesh` at its corners.
+fn tints(mesh: &IndexedMesh, triangle: usize, material: &Material) -> [Vec4; 3] {
+    let colours = mesh.mesh.corner_colours(triangle as u32);
+    match material.maps.tinted {
+        Tinted::Emission => colours,
+        Tinted::Base | Tinted::Nothing => colours.map(|colour| Vec3::ONE.extend(colour.w)),
+    }
 }
 
 /// Whether triangle `triangle` of `mesh` emits.

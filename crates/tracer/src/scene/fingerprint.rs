@@ -8,7 +8,7 @@ use super::instance::Placed;
 use super::mesh::Mesh;
 use super::{Dropped, Scene};
 use crate::digest::Digest;
-use crate::material::{Colour, Grey, Material, Surface, SurfaceMaps};
+use crate::material::{Colour, Grey, Material, Surface, SurfaceMaps, Tinted};
 use crate::texture::{GreyTexture, Raster, Texture};
 
 /// Digests of what a scene consists of. Equal scenes have equal ones, wherever their files are and whatever they are
@@ -59,10 +59,15 @@ impl Scene {
 }
 
 fn add_mesh(digest: &mut Digest, mesh: &Mesh) {
-    let Mesh { positions, normals, uvs, triangles, materials } = mesh;
+    let Mesh { positions, normals, uvs, colours, triangles, materials } = mesh;
     [positions.len(), normals.len(), uvs.len(), triangles.len()].into_iter().for_each(|length| digest.length(length));
+    // Only where there are any, so that the digests of scenes without stay what they were.
+    if !colours.is_empty() {
+        digest.length(colours.len());
+    }
     positions.iter().chain(normals).for_each(|v| digest.numbers(v.as_ref()));
     uvs.iter().for_each(|uv| digest.numbers(uv.as_ref()));
+    colours.iter().for_each(|colour| digest.numbers(colour.as_ref()));
     triangles.iter().flatten().chain(materials).for_each(|index| digest.word(*index));
 }
 
@@ -78,10 +83,13 @@ impl Surfaces {
         let Material { name: _, surface, emission, maps } = material;
         self.surface(surface);
         self.colour(emission);
-        let SurfaceMaps { opacity, normals, roughness, metallic, .. } = maps;
+        let SurfaceMaps { opacity, normals, roughness, metallic, tinted, .. } = maps;
         for grey in [opacity, metallic] {
             self.digest.debug(&grey.is_some());
             grey.iter().for_each(|grey| self.grey(grey));
+        }
+        if *tinted != Tinted::default() {
+            self.digest.debug(tinted);
         }
         self.texture(normals.as_ref());
         self.grey_texture(roughness.as_ref());
@@ -134,7 +142,7 @@ impl Surfaces {
 
 #[cfg(test)]
 mod tests {
-    use glam::{DVec3, Vec2, Vec3};
+    use glam::{DVec3, Vec2, Vec3, Vec4};
 
     use super::super::{Instance, Motion, Placement};
     use super::*;
@@ -188,6 +196,7 @@ mod tests {
             fingerprint(|plan| plan.mesh.positions[2].y = 1.0f32.next_up()),
             fingerprint(|plan| plan.mesh.uvs[1].x = 0.5),
             fingerprint(|plan| plan.mesh.triangles[0] = [0, 2, 1]),
+            fingerprint(|plan| plan.mesh.colours = vec![Vec4::splat(0.5); 3]),
             fingerprint(|plan| plan.motion = None),
         ];
         for changed in geometry {
@@ -203,6 +212,7 @@ mod tests {
             fingerprint(|plan| plan.material.emission.factor = Vec3::Z),
             fingerprint(|plan| plan.material.maps.opacity = Some(Grey::constant(0.5))),
             fingerprint(|plan| plan.material.maps.metallic = Some(Grey::constant(0.5))),
+            fingerprint(|plan| plan.material.maps.tinted = Tinted::Nothing),
             fingerprint(|plan| plan.material.maps.roughness = Some(Arc::new(GreyTexture::new(1, 1, vec![0.5])))),
         ];
         for (i, changed) in materials.iter().enumerate() {

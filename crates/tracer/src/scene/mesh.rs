@@ -1,6 +1,6 @@
 //! Triangles with what their corners know.
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 
 use super::instance::cross;
 use super::{Instance, Placement, SceneError};
@@ -16,6 +16,8 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// Texture coordinates per vertex. Empty when no vertex has any.
     pub uvs: Vec<Vec2>,
+    /// What colour and opacity of the surface are multiplied with, per vertex, 0 … 1. Empty when that is 1 everywhere.
+    pub colours: Vec<Vec4>,
     /// Vertices of each triangle, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
     /// Material of each triangle.
@@ -65,6 +67,13 @@ impl Mesh {
         corners.map(|v| if self.uvs.is_empty() { Vec2::ZERO } else { self.uvs[v as usize] })
     }
 
+    /// Colours of a triangle's corners; white where the mesh has none.
+    #[inline]
+    pub(super) fn corner_colours(&self, triangle: u32) -> [Vec4; 3] {
+        let corners = self.triangles[triangle as usize];
+        corners.map(|v| if self.colours.is_empty() { Vec4::ONE } else { self.colours[v as usize] })
+    }
+
     /// The mesh with its vertices where `placement` puts them. A mirrored mesh is wound the other way round, so that
     /// its outside stays outside.
     pub(super) fn moved(mut self, placement: &Placement) -> Self {
@@ -94,9 +103,14 @@ impl Mesh {
             self.uvs.resize(self.positions.len(), Vec2::ZERO);
             other.uvs.resize(other.positions.len(), Vec2::ZERO);
         }
+        if !(self.colours.is_empty() && other.colours.is_empty()) {
+            self.colours.resize(self.positions.len(), Vec4::ONE);
+            other.colours.resize(other.positions.len(), Vec4::ONE);
+        }
         self.positions.append(&mut other.positions);
         self.normals.append(&mut other.normals);
         self.uvs.append(&mut other.uvs);
+        self.colours.append(&mut other.colours);
         self.triangles.extend(other.triangles.iter().map(|t| t.map(|v| v + first)));
         self.materials.append(&mut other.materials);
     }
@@ -163,7 +177,12 @@ pub(super) fn check(meshes: &[Mesh], instances: &[Instance], materials: usize) -
         if mesh.materials.len() != mesh.triangles.len() {
             return bad("material of triangle", mesh.materials.len(), mesh.triangles.len());
         }
-        for (what, count) in [("normal", mesh.normals.len()), ("texture coordinate", mesh.uvs.len())] {
+        let of_vertices = [
+            ("normal", mesh.normals.len()),
+            ("texture coordinate", mesh.uvs.len()),
+            ("vertex colour", mesh.colours.len()),
+        ];
+        for (what, count) in of_vertices {
             if count != 0 && count != vertices {
                 return bad(what, count, vertices);
             }

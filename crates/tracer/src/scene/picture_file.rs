@@ -103,7 +103,7 @@ fn is_linear(image: &DynamicImage) -> bool {
 }
 
 /// The sRGB transfer function (IEC 61966-2-1), decoded.
-fn srgb_to_linear(c: f32) -> f32 {
+pub(super) fn srgb_to_linear(c: f32) -> f32 {
     if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
 }
 

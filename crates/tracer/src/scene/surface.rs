@@ -1,6 +1,6 @@
 //! What a hit triangle looks like at the hit.
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 
 use super::instance::Placed;
 use super::mesh::Mesh;
@@ -39,6 +39,7 @@ impl Scene {
             geometric_normal,
             shading_normal,
             uv,
+            tint: if mesh.colours.is_empty() { Vec3::ONE } else { mesh.colour(hit).truncate() },
             outgoing: -ray.direction,
             distance: hit.distance,
             time: ray.time,
@@ -77,5 +78,11 @@ impl Mesh {
     #[inline]
     pub(super) fn uv(&self, hit: &TriangleHit) -> Vec2 {
         if self.uvs.is_empty() { Vec2::ZERO } else { interpolate(&self.uvs, self, hit) }
+    }
+
+    /// Colour and opacity of the vertices at a hit; white where the mesh has none.
+    #[inline]
+    pub(super) fn colour(&self, hit: &TriangleHit) -> Vec4 {
+        if self.colours.is_empty() { Vec4::ONE } else { interpolate(&self.colours, self, hit) }
     }
 }

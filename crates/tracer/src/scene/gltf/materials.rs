@@ -11,29 +11,40 @@ use super::super::notes::Notes;
 use super::super::textures::{Channel, TextureFiles, TextureUse};
 use super::buffers::Buffers;
 use super::placed_textures::PlacedTexture;
-use crate::material::{Colour, Grey, Material, Surface, SurfaceMaps};
+use crate::material::{Colour, Grey, Material, Surface, SurfaceMaps, Tinted};
 
-/// The materials of `document`, the last one for primitives that have none, and which set of texture coordinates each is
-/// laid out by. Textures that are not there are left out and noted.
+/// What meshes have to know of a material.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Needs {
+    /// Which texture coordinates it is laid out by.
+    pub(super) set: u32,
+    /// What the opacity of vertices is for.
+    pub(super) alpha: AlphaMode,
+}
+
+/// The materials of `document`, and what meshes have to know of each. The last two are for primitives that have none: one for
+/// those whose vertices have colours, one for others. Textures that are not there are left out and noted.
 pub(super) fn read_materials(
     document: &gltf::Document,
     buffers: &Buffers,
     folder: &Path,
     notes: &mut Notes,
-) -> (Vec<Material>, Vec<u32>) {
+) -> (Vec<Material>, Vec<Needs>) {
     let mut reader = Reader { document, buffers, files: TextureFiles::new(folder), notes };
-    let (mut materials, mut sets) = (Vec::new(), Vec::new());
+    let (mut materials, mut needs) = (Vec::new(), Vec::new());
     for material in document.materials() {
         let name = material.name().map_or_else(|| format!("material {}", materials.len()), str::to_owned);
         let one = One { material: &material, name, set: set_of(&material) };
-        sets.push(one.set);
+        needs.push(Needs { set: one.set, alpha: material.alpha_mode() });
         materials.push(reader.material(one));
     }
     // What the specification gives them is rough white metal; viewers and their users know dull grey.
-    let grey = Surface::Diffuse { reflectance: Colour::constant(Vec3::splat(0.5)) };
-    materials.push(Material::new("no material", grey, Vec3::ZERO));
-    sets.push(0);
-    (materials, sets)
+    for reflectance in [1.0, 0.5] {
+        let dull = Surface::Diffuse { reflectance: Colour::constant(Vec3::splat(reflectance)) };
+        materials.push(Material::new("no material", dull, Vec3::ZERO));
+        needs.push(Needs { set: 0, alpha: AlphaMode::Opaque });
+    }
+    (materials, needs)
 }
 
 /// The texture coordinates of the first texture that there is: meshes keep one set.
@@ -71,6 +82,7 @@ impl Reader<'_> {
         maps.normals = self.normals(&one);
         if one.material.unlit() {
             let black = Surface::Diffuse { reflectance: Colour::constant(Vec3::ZERO) };
+            maps.tinted = Tinted::Emission;
             return Material { name: one.name, surface: black, emission: base, maps };
         }
         let parts = pbr.metallic_roughness_texture().map(|info| PlacedTexture::of(&info));

@@ -23,7 +23,7 @@ use super::source::read_bytes;
 use super::{Instance, Mesh, SceneError};
 use crate::camera::CameraDescription;
 use crate::light::DeltaLight;
-use crate::material::Material;
+use crate::material::{Grey, Material};
 use binary::parts_of;
 use buffers::Buffers;
 use materials::read_materials;
@@ -80,8 +80,9 @@ pub(super) fn read_gltf(path: &Path, notes: &mut Notes) -> Result<GltfFile, Scen
         buffers::Missing::File(path) => SceneError::Missing { path },
         buffers::Missing::Other(reason) => refused(reason),
     })?;
-    let (materials, sets) = read_materials(&document, &buffers, folder, notes);
-    let meshes = read_meshes(&document, &buffers, &sets, path, notes).map_err(refused)?;
+    let (mut materials, needs) = read_materials(&document, &buffers, folder, notes);
+    let meshes = read_meshes(&document, &buffers, &needs, path, notes).map_err(refused)?;
+    show_opacity_of_vertices(&meshes, &mut materials);
     let mut stage = Stage::new(meshes.iter().map(|mesh| !mesh.triangles.is_empty()).collect());
     stage.set(&document, path, notes).map_err(refused)?;
     let Stage { instances, cameras, delta_lights, .. } = stage;
@@ -90,6 +91,17 @@ pub(super) fn read_gltf(path: &Path, notes: &mut Notes) -> Result<GltfFile, Scen
         return Err(SceneError::NoFaces { path: path.into(), vertices });
     }
     Ok(GltfFile { meshes, instances, materials, cameras, delta_lights })
+}
+
+/// Lets rays through materials that have no opacity of their own where their vertices have one.
+fn show_opacity_of_vertices(meshes: &[Mesh], materials: &mut [Material]) {
+    for mesh in meshes.iter().filter(|mesh| mesh.colours.iter().any(|colour| colour.w < 1.0)) {
+        for (triangle, material) in mesh.triangles.iter().zip(&mesh.materials) {
+            if triangle.iter().any(|&v| mesh.colours[v as usize].w < 1.0) {
+                materials[*material as usize].maps.opacity.get_or_insert(Grey::constant(1.0));
+            }
+        }
+    }
 }
 
 impl GltfFile {

@@ -15,11 +15,23 @@ const UNBACKED: usize = 1 << 16;
 /// # Errors
 /// In words, when they have another number of numbers, or are not all there.
 pub(super) fn vectors<const N: usize>(accessor: &Accessor, buffers: &Buffers) -> Result<Vec<[f32; N]>, String> {
+    numbers(accessor, buffers, accessor.normalized())
+}
+
+/// The same of what can only be shares: integers are, whether they are marked or not.
+///
+/// # Errors
+/// As [`vectors`].
+pub(super) fn shares<const N: usize>(accessor: &Accessor, buffers: &Buffers) -> Result<Vec<[f32; N]>, String> {
+    numbers(accessor, buffers, true)
+}
+
+fn numbers<const N: usize>(accessor: &Accessor, buffers: &Buffers, normalised: bool) -> Result<Vec<[f32; N]>, String> {
     let found = accessor.dimensions().multiplicity();
     if found != N {
         return Err(format!("accessors[{}] has {found} numbers for each element, expected {N}", accessor.index()));
     }
-    let (kind, normalised) = (accessor.data_type(), accessor.normalized());
+    let kind = accessor.data_type();
     let size = kind.size();
     elements(accessor, buffers, [0.0; N], |bytes| std::array::from_fn(|i| number(&bytes[i * size..], kind, normalised)))
 }

@@ -2,36 +2,44 @@
 
 use std::path::Path;
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
+use gltf::Accessor;
 use gltf::Semantic;
+use gltf::accessor::Dimensions;
+use gltf::material::AlphaMode;
 use gltf::mesh::{Mode, Primitive};
 
 use super::super::Mesh;
 use super::super::notes::Notes;
 use super::buffers::Buffers;
-use super::numbers::{indices, vectors};
+use super::materials::Needs;
+use super::numbers::{indices, shares, vectors};
 
-/// The meshes of `document`, each with all its primitives. `sets` says which texture coordinates each material is laid out
-/// by; the last material is that of primitives that have none.
+/// The meshes of `document`, each with all its primitives. `needs` tells what each material has to be told; the last two are
+/// for primitives that have none, with colours of vertices and without.
 ///
 /// # Errors
 /// In words, when numbers are not there or corners are vertices that are not.
 pub(super) fn read_meshes(
     document: &gltf::Document,
     buffers: &Buffers,
-    sets: &[u32],
+    needs: &[Needs],
     path: &Path,
     notes: &mut Notes,
 ) -> Result<Vec<Mesh>, String> {
     let mut skipped = 0;
+    let mut masked = false;
     let mut meshes = Vec::with_capacity(document.meshes().len());
     for mesh in document.meshes() {
         let mut whole = Mesh::default();
         for primitive in mesh.primitives() {
             let place =
                 |reason: String| format!("meshes[{}].primitives[{}]: {reason}", mesh.index(), primitive.index());
-            match read_primitive(&primitive, buffers, sets).map_err(place)? {
-                Some(part) => whole.append(part),
+            match read_primitive(&primitive, buffers, needs).map_err(place)? {
+                Some(mut part) => {
+                    masked |= take_opacity(&mut part, needs);
+                    whole.append(part);
+                }
                 None => skipped += 1,
             }
         }
@@ -40,20 +48,25 @@ pub(super) fn read_meshes(
     if skipped > 0 {
         notes.add(format!("{}: {skipped} primitives of points, lines or without positions left out", path.display()));
     }
-    if document.meshes().flat_map(|mesh| mesh.primitives()).any(|p| p.get(&Semantic::Colors(0)).is_some()) {
-        notes.add(format!("{}: colours of vertices are ignored", path.display()));
+    if masked {
+        notes.add(format!("{}: opacity of vertices of a masked material is not supported and ignored", path.display()));
     }
     Ok(meshes)
 }
 
 /// The triangles of a primitive; `None` when it has none to see.
-fn read_primitive(primitive: &Primitive, buffers: &Buffers, sets: &[u32]) -> Result<Option<Mesh>, String> {
+fn read_primitive(primitive: &Primitive, buffers: &Buffers, needs: &[Needs]) -> Result<Option<Mesh>, String> {
     if !matches!(primitive.mode(), Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
         return Ok(None);
     }
     let Some(positions) = primitive.get(&Semantic::Positions) else { return Ok(None) };
     let positions: Vec<Vec3> = vectors::<3>(&positions, buffers)?.into_iter().map(Vec3::from).collect();
-    let material = primitive.material().index().unwrap_or(sets.len() - 1);
+    let colours = match primitive.get(&Semantic::Colors(0)) {
+        Some(colours) => read_colours(&colours, buffers)?,
+        None => Vec::new(),
+    };
+    let default = needs.len() - if colours.is_empty() { 1 } else { 2 };
+    let material = primitive.material().index().unwrap_or(default);
     let as_many = |what: &str, count: usize| match count == positions.len() {
         true => Ok(()),
         false => Err(format!("{count} {what}s for {} positions", positions.len())),
@@ -67,13 +80,16 @@ fn read_primitive(primitive: &Primitive, buffers: &Buffers, sets: &[u32]) -> Res
     if !normals.is_empty() {
         as_many("normal", normals.len())?;
     }
-    let uvs: Vec<Vec2> = match primitive.get(&Semantic::TexCoords(sets[material])) {
+    let uvs: Vec<Vec2> = match primitive.get(&Semantic::TexCoords(needs[material].set)) {
         // From the top left corner of the image to the bottom left one.
         Some(uvs) => vectors::<2>(&uvs, buffers)?.into_iter().map(|[u, v]| Vec2::new(u, 1.0 - v)).collect(),
         None => Vec::new(),
     };
     if !uvs.is_empty() {
         as_many("texture coordinate", uvs.len())?;
+    }
+    if !colours.is_empty() {
+        as_many("vertex colour", colours.len())?;
     }
     let corners = match primitive.indices() {
         Some(accessor) => indices(&accessor, buffers)?,
@@ -84,7 +100,28 @@ fn read_primitive(primitive: &Primitive, buffers: &Buffers, sets: &[u32]) -> Res
     }
     let triangles = triangles(&corners, primitive.mode());
     let materials = vec![material as u32; triangles.len()];
-    Ok(Some(Mesh { positions, normals, uvs, triangles, materials }))
+    Ok(Some(Mesh { positions, normals, uvs, colours, triangles, materials }))
+}
+
+/// Linear colours, with opacity or without; what is no share of light is taken for the nearest that is.
+fn read_colours(accessor: &Accessor, buffers: &Buffers) -> Result<Vec<Vec4>, String> {
+    let colours: Vec<Vec4> = match accessor.dimensions() {
+        Dimensions::Vec3 => shares::<3>(accessor, buffers)?.into_iter().map(|c| Vec3::from(c).extend(1.0)).collect(),
+        _ => shares::<4>(accessor, buffers)?.into_iter().map(Vec4::from).collect(),
+    };
+    let sound = |c: f32| if c.is_nan() { 1.0 } else { c.clamp(0.0, 1.0) };
+    Ok(colours.into_iter().map(|colour| Vec4::from(colour.to_array().map(sound))).collect())
+}
+
+/// Takes opacity from vertices whose material has no use for it. Whether any of it would have been seen.
+fn take_opacity(part: &mut Mesh, needs: &[Needs]) -> bool {
+    let Some(alpha) = part.materials.first().map(|material| needs[*material as usize].alpha) else { return false };
+    if alpha == AlphaMode::Blend {
+        return false;
+    }
+    let had_some = part.colours.iter().any(|colour| colour.w < 1.0);
+    part.colours.iter_mut().for_each(|colour| colour.w = 1.0);
+    alpha == AlphaMode::Mask && had_some
 }
 
 /// Triangles in a list of corners.

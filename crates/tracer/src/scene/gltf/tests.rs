@@ -5,12 +5,14 @@ use std::path::Path;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use glam::{Mat2, Vec2, Vec3};
+use glam::{Mat2, Vec2, Vec3, Vec4};
 use tempfile::TempDir;
 
 use super::super::{Loaded, load};
 use crate::Ray;
-use crate::light::DeltaLight;
+use crate::bsdf::Bsdf;
+use crate::interaction::Interaction;
+use crate::light::{DeltaLight, Lights};
 use crate::material::{Colour, Material, Surface};
 use crate::texture::Wrap;
 
@@ -96,6 +98,73 @@ fn numbers_are_read_however_they_are_stored() {
     assert_eq!(loaded(&sparse).scene.meshes[0].mesh.positions[1], Vec3::X + Vec3::Y);
     let zeros = sparse.replacen(r#""bufferView": 0, "componentType""#, r#""componentType""#, 1);
     assert!(load(&folder(&zeros).path().join("a.gltf")).is_err(), "all corners but one are zero: nothing to see");
+}
+
+/// The square with colours at its corners, green, yellow, red and black, of opacity 0, as one material shows them.
+fn coloured(material: &str) -> Loaded {
+    let json = document(&format!(r#""nodes": [{{ "mesh": 0 }}], "materials": [{material}]"#));
+    let last = r#""count": 6, "type": "SCALAR" }"#;
+    let colours = r#", { "bufferView": 1, "componentType": 5121, "count": 4, "type": "VEC4" }"#;
+    let json = json.replacen(last, &format!("{last}{colours}"), 1);
+    loaded(&json.replacen(r#""POSITION": 0"#, r#""POSITION": 0, "COLOR_0": 3"#, 1))
+}
+
+#[test]
+fn colours_of_vertices_multiply_the_base() {
+    let dull = r#"{ "pbrMetallicRoughness": { "baseColorFactor": [0.5, 1, 1, 1], "metallicFactor": 0 },
+        "extensions": { "KHR_materials_ior": { "ior": 1 } } MORE }"#;
+    let scene = coloured(&dull.replace("MORE", "")).scene;
+    let opaque = [Vec4::new(0.0, 1.0, 0.0, 1.0), Vec4::new(1.0, 1.0, 0.0, 1.0), Vec4::X + Vec4::W, Vec4::W];
+    assert_eq!(scene.meshes[0].mesh.colours, opaque, "bytes are shares, and what is opaque stays so");
+    let hit = scene.intersect(&ray(0.75, 0.25, 1.0)).unwrap();
+    assert!((hit.tint - Vec3::new(0.75, 0.75, 0.0)).length() < 1e-6);
+    assert!((Bsdf::at(&hit).albedo() - Vec3::new(0.375, 0.75, 0.0)).length() < 1e-6);
+    // No ray meets what has no opacity; a mask of vertices is not understood.
+    let veil = coloured(&dull.replace("MORE", r#", "alphaMode": "BLEND""#)).scene;
+    assert!(veil.intersect(&ray(0.75, 0.25, 1.0)).is_none());
+    let mask = coloured(&dull.replace("MORE", r#", "alphaMode": "MASK""#));
+    assert!(mask.scene.intersect(&ray(0.75, 0.25, 1.0)).is_some());
+    assert!(mask.notes[0].ends_with("opacity of vertices of a masked material is not supported and ignored"));
+    // Where there is no material, the colour is all there is; and floats are read as they stand.
+    let json = document(r#""nodes": [{ "mesh": 0 }]"#).replace(r#", "material": 0"#, "");
+    let bare = loaded(&json.replacen(r#""POSITION": 0"#, r#""POSITION": 0, "COLOR_0": 0"#, 1)).scene;
+    let hit = bare.intersect(&ray(0.75, 0.25, 1.0)).unwrap();
+    assert!((Bsdf::at(&hit).albedo() - Vec3::new(0.75, 0.25, 0.0)).length() < 1e-6);
+    let few = document(PLAIN).replacen(r#""POSITION": 0"#, r#""POSITION": 0, "COLOR_0": 2"#, 1);
+    assert!(refusal(&few).contains("accessors[2] has 1 numbers for each element, expected 4"));
+}
+
+#[test]
+fn colours_of_vertices_multiply_what_is_drawn_without_light() {
+    let scene = coloured(
+        r#"{ "pbrMetallicRoughness": { "baseColorFactor": [0.5, 1, 1, 1] },
+        "extensions": { "KHR_materials_unlit": {} } }"#,
+    )
+    .scene;
+    let lights = Lights::new(&scene);
+    let seen = scene.intersect(&ray(0.75, 0.25, 1.0)).unwrap();
+    assert!((lights.emitted(seen.emitter.unwrap(), &seen) - Vec3::new(0.375, 0.75, 0.0)).length() < 1e-6);
+    // Two triangles, of the mean colours of their corners.
+    let radiances: Vec<Vec3> = scene.emitters.iter().map(|emitter| emitter.radiance * 3.0).collect();
+    assert!(
+        (radiances[0] - Vec3::new(1.0, 2.0, 0.0)).length() + (radiances[1] - Vec3::new(0.5, 1.0, 0.0)).length() < 1e-6
+    );
+    // What is sampled is what is seen there.
+    let floor = Material::new("floor", Surface::Mirror { reflectance: Colour::constant(Vec3::ONE) }, Vec3::ZERO);
+    let from = Interaction {
+        position: Vec3::new(0.2, 0.4, 2.0),
+        geometric_normal: -Vec3::Z,
+        shading_normal: -Vec3::Z,
+        outgoing: -Vec3::Z,
+        material: &floor,
+        ..seen
+    };
+    for i in 0..16 {
+        let u = (Vec2::new((i % 4) as f32, (i / 4) as f32) + 0.5) / 4.0;
+        let sample = lights.sample_light(&from, Bsdf::at(&from).receiver(), i << 28, u).unwrap();
+        let there = scene.intersect(&Ray { t_max: f32::INFINITY, ..sample.shadow_ray }).unwrap();
+        assert!((lights.emitted(there.emitter.unwrap(), &there) - sample.radiance).length() < 1e-4, "{i}");
+    }
 }
 
 #[test]

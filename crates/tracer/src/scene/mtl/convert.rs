@@ -10,7 +10,7 @@ use super::super::look::{COMMON_COAT, capped, coated, metal};
 use super::super::notes::Notes;
 use super::super::textures::{TextureFiles, TextureUse};
 use super::entry::MtlEntry;
-use crate::material::{Colour, Material, Surface};
+use crate::material::{Colour, Material, Surface, Tinted};
 
 impl MtlEntry {
     /// The material; without its textures when there is nobody to read them.
@@ -25,11 +25,16 @@ impl MtlEntry {
         if let Some((_, notes)) = &mut read {
             self.note_ignored(notes);
         }
+        let is_mapped = diffuse.texture.is_some();
         let surface = self.surface(diffuse, specular);
         let mut maps = self.maps(read);
         if matches!(surface, Surface::Diffuse { .. }) {
             // Where nothing says how wide its highlights are, it has none, and no metal.
             maps.metallic = None;
+        }
+        if is_mapped {
+            // Scanners write the same colours twice.
+            maps.tinted = Tinted::Nothing;
         }
         Material { name: self.name.clone(), surface, emission, maps }
     }

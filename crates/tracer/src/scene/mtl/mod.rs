@@ -9,6 +9,8 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use glam::Vec3;
+
 use super::SceneError;
 use super::notes::Notes;
 use super::obj::find_file;
@@ -78,9 +80,11 @@ impl MtlLibrary {
         first..self.entries.len()
     }
 
-    /// Index of the material for faces that have none: grey.
-    pub(super) fn default_material(&mut self) -> usize {
-        self.entries.push(MtlEntry::new("default".into()));
+    /// Index of the material for faces that have none: grey, or white where their vertices are `coloured`.
+    pub(super) fn default_material(&mut self, coloured: bool) -> usize {
+        let mut default = MtlEntry::new("default".into());
+        default.diffuse = coloured.then_some(Vec3::ONE);
+        self.entries.push(default);
         self.entries.len() - 1
     }
 

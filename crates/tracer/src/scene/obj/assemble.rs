@@ -4,11 +4,12 @@ use std::collections::{BTreeSet, HashMap, VecDeque};
 use std::ops::Range;
 use std::path::Path;
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 
 use super::super::Mesh;
 use super::super::mtl::MtlLibrary;
 use super::super::notes::Notes;
+use super::super::picture_file::srgb_to_linear;
 use super::super::source::without_comment;
 use super::piece::{Event, KINDS, NONE, Piece};
 use super::polygon::{cut_concave, fan};
@@ -39,8 +40,9 @@ pub(super) fn assemble(mut pieces: Vec<Piece>, library: &mut MtlLibrary, path: &
     }
     palette.note_missing(path, notes);
     if mesh.materials.contains(&NONE) {
-        let grey = library.default_material() as u32;
-        mesh.materials.iter_mut().filter(|m| **m == NONE).for_each(|m| *m = grey);
+        // A colour is the whole colour where there is no material to multiply it with.
+        let default = library.default_material(!attributes.colours.is_empty()) as u32;
+        mesh.materials.iter_mut().filter(|m| **m == NONE).for_each(|m| *m = default);
     }
     attributes.into_mesh(mesh)
 }
@@ -136,6 +138,8 @@ impl Palette {
 /// What corners of faces point to, and the vertices made of it.
 struct Attributes {
     positions: Vec<Vec3>,
+    /// Of the positions; empty where there are none.
+    colours: Vec<Vec4>,
     uvs: Vec<Vec2>,
     normals: Vec<Vec3>,
     /// Different corners, when there is more to them than positions. Else vertices are positions.
@@ -175,6 +179,7 @@ impl Attributes {
         let count: [usize; 3] = std::array::from_fn(|kind| pieces.iter().map(|piece| piece.counts()[kind]).sum());
         let mut all = Self {
             positions: Vec::with_capacity(count[0]),
+            colours: colours(pieces, count[0]),
             uvs: Vec::with_capacity(count[1]),
             normals: Vec::with_capacity(count[2]),
             vertices: None,
@@ -214,9 +219,13 @@ impl Attributes {
     fn into_mesh(self, mut mesh: Mesh) -> Mesh {
         let Some(Vertices { all, .. }) = self.vertices else {
             mesh.positions = self.positions;
+            mesh.colours = self.colours;
             return mesh;
         };
         mesh.positions = all.iter().map(|(corner, _)| self.positions[corner[0] as usize]).collect();
+        if !self.colours.is_empty() {
+            mesh.colours = all.iter().map(|(corner, _)| self.colours[corner[0] as usize]).collect();
+        }
         if all.iter().any(|(corner, _)| corner[1] != NONE) {
             let uv = |index: u32| if index == NONE { Vec2::ZERO } else { self.uvs[index as usize] };
             mesh.uvs = all.iter().map(|(corner, _)| uv(corner[1])).collect();
@@ -227,4 +236,24 @@ impl Attributes {
         }
         mesh
     }
+}
+
+/// Colours of all `count` vertices, made linear; none where no piece has any, or where all are white, which says nothing.
+///
+/// What is above 1 anywhere is of 255. Numbers that are none count as white.
+fn colours(pieces: &mut [Piece], count: usize) -> Vec<Vec4> {
+    let written = || pieces.iter().flat_map(|piece| &piece.colours);
+    if written().all(|colour| *colour == Vec3::ONE) {
+        return vec![];
+    }
+    let white = if written().any(|colour| colour.max_element() > 1.0) { 255.0 } else { 1.0 };
+    let linear = |c: f32| if c.is_finite() { srgb_to_linear((c / white).clamp(0.0, 1.0)) } else { 1.0 };
+    let mut all = Vec::with_capacity(count);
+    for piece in pieces {
+        let vertices = all.len() + piece.positions.len();
+        let own = std::mem::take(&mut piece.colours);
+        all.extend(own.into_iter().map(|colour| Vec3::from(colour.to_array().map(linear)).extend(1.0)));
+        all.resize(vertices, Vec4::ONE);
+    }
+    all
 }

@@ -8,6 +8,8 @@ use super::super::source::{logical_lines, without_comment};
 #[derive(Debug, Default)]
 pub(super) struct Piece {
     pub(super) positions: Vec<Vec3>,
+    /// Colours of the vertices, as written: white where nothing is. Empty where no vertex has one.
+    pub(super) colours: Vec<Vec3>,
     pub(super) uvs: Vec<Vec2>,
     pub(super) normals: Vec<Vec3>,
     /// Corners of all faces, by kind: zero-based indices of vertex, texture coordinate and normal; [`NONE`] for what
@@ -83,7 +85,11 @@ impl Piece {
         let statement = without_comment(statement).trim();
         let (key, rest) = split_key(statement);
         match key {
-            "v" => self.positions.push(position(rest).ok_or(("v and three numbers", statement))?),
+            "v" => {
+                let (position, colour) = vertex(rest).ok_or(("v and three numbers", statement))?;
+                self.positions.push(position);
+                self.add_colour(colour);
+            }
             "vt" => self.uvs.push(uv(rest).ok_or(("vt and two numbers", statement))?),
             "vn" => {
                 let normal = numbers(rest).ok_or(("vn and three numbers", statement))?;
@@ -98,6 +104,14 @@ impl Piece {
             _ => {}
         }
         Ok(())
+    }
+
+    /// Adds the colour of the last vertex.
+    fn add_colour(&mut self, colour: Option<Vec3>) {
+        if colour.is_some() || !self.colours.is_empty() {
+            self.colours.resize(self.positions.len() - 1, Vec3::ONE);
+            self.colours.push(colour.unwrap_or(Vec3::ONE));
+        }
     }
 
     /// Adds a face. What only some of its corners have, it does without.
@@ -223,13 +237,17 @@ fn split_key(statement: &str) -> (&str, &str) {
     (&statement[..end], statement[end..].trim_start())
 }
 
-/// A position, perhaps with a weight that divides it, or with a colour, which is left out.
-fn position(words: &str) -> Option<Vec3> {
+/// A position, perhaps with a weight that divides it, or with a colour.
+fn vertex(words: &str) -> Option<(Vec3, Option<Vec3>)> {
     let position = Vec3::from_array(numbers(words)?);
     let mut rest = words.split_ascii_whitespace().skip(3);
-    match (rest.next(), rest.count()) {
-        (None, _) | (Some(_), 2) => Some(position),
-        (Some(weight), 0) => number(weight).filter(|w| *w != 0.0).map(|w| position / w),
+    match (rest.next(), rest.next(), rest.next(), rest.next()) {
+        (None, ..) => Some((position, None)),
+        (Some(weight), None, ..) => number(weight).filter(|w| *w != 0.0).map(|w| (position / w, None)),
+        (Some(red), Some(green), Some(blue), None) => {
+            let colour = Vec3::new(number(red)?, number(green)?, number(blue)?);
+            Some((position, Some(colour)))
+        }
         _ => None,
     }
 }

@@ -1,12 +1,12 @@
 use std::fs;
 use std::path::Path;
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use tempfile::TempDir;
 
 use super::super::notes::Notes;
 use super::{ObjFile, assemble, cut, find_file, parse, read_obj};
-use crate::material::Surface;
+use crate::material::{Surface, Tinted};
 use crate::scene::mtl::MtlLibrary;
 
 /// A folder with an OBJ file and perhaps other files.
@@ -146,6 +146,31 @@ fn normals_that_the_file_has_none_of_are_done_without() {
 fn some_vertices_may_have_colours() {
     let (file, notes) = read(b"v 0 0 0 1 0.5 0\nv 2 0 0\nv 0 4 0 2\nf 1 2 3\n", &[]);
     assert_eq!((file.mesh.positions[2].y, notes.len()), (2.0, 0), "the fourth of four numbers is a divisor");
+    let half = ((0.5 + 0.055) / 1.055_f32).powf(2.4);
+    assert_eq!(file.mesh.colours, [Vec4::new(1.0, half, 0.0, 1.0), Vec4::ONE, Vec4::ONE]);
+    let white = |file: &ObjFile| matches!(&file.materials[0].surface, Surface::Diffuse { reflectance } if reflectance.factor == Vec3::ONE);
+    assert!(white(&file), "there is no grey to multiply a colour with");
+    // With normals, corners are no positions; and of 255.
+    let (file, _) = read(b"v 0 0 0 255 0 0\nv 2 0 0 0 51 0\nv 0 4 0 0 0 255\nvn 0 0 1\nf 2//1 3//1 1//1\n", &[]);
+    let fifth = ((0.2 + 0.055) / 1.055_f32).powf(2.4);
+    assert!((file.mesh.colours[0] - Vec4::new(0.0, fifth, 0.0, 1.0)).length() < 1e-6);
+    assert_eq!(file.mesh.colours[1..], [Vec4::new(0.0, 0.0, 1.0, 1.0), Vec4::new(1.0, 0.0, 0.0, 1.0)]);
+    let (file, _) = read(b"v 0 0 0 1 1 1\nv 2 0 0 1 1 1\nv 0 4 0 1 1 1\nf 1 2 3\n", &[]);
+    assert!(file.mesh.colours.is_empty() && !white(&file), "all white is what programs write that know no colours");
+}
+
+#[test]
+fn a_texture_takes_the_place_of_colours_of_vertices() {
+    let obj = b"mtllib a.mtl\nv 0 0 0 1 0 0\nv 2 0 0\nv 0 4 0\nusemtl a\nf 1 2 3\n";
+    let tinted = |library: &str| {
+        let mut picture = std::io::Cursor::new(vec![]);
+        image::RgbImage::new(1, 1).write_to(&mut picture, image::ImageFormat::Png).unwrap();
+        let (file, _) = read(obj, &[("a.mtl", library.as_bytes()), ("a.png", picture.get_ref())]);
+        file.materials[0].maps.tinted
+    };
+    assert_eq!(tinted("newmtl a\nKd .5 .5 .5\n"), Tinted::Base);
+    assert_eq!(tinted("newmtl a\nmap_Kd gone.png\n"), Tinted::Base);
+    assert_eq!(tinted("newmtl a\nmap_Kd a.png\n"), Tinted::Nothing);
 }
 
 #[test]
