@@ -16,6 +16,8 @@ pub struct Interaction<'a> {
     pub geometric_normal: Vec3,
     /// Interpolated unit normal, in the hemisphere of `geometric_normal`.
     pub shading_normal: Vec3,
+    /// Unit normal of its clear coat, in the same hemisphere; that of the surface where it has none.
+    pub coat_normal: Vec3,
     /// Texture coordinates; zero where the mesh has none.
     pub uv: Vec2,
     /// Colour of the vertices, which multiplies that of the surface; white where the mesh has none.

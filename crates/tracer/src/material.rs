@@ -68,6 +68,24 @@ pub enum Tinted {
     Nothing,
 }
 
+/// A clear coat over a whole surface.
+#[derive(Clone, Debug)]
+pub struct ClearCoat {
+    /// Share of the surface that it covers, 0 … 1.
+    pub cover: Grey,
+    /// Its roughness, 0 … 1, whose square α is.
+    pub roughness: Grey,
+    /// Relief of its own, as [`SurfaceMaps::normals`]; the relief of what lies below does not show on it.
+    pub normals: Option<Arc<Texture>>,
+}
+
+impl ClearCoat {
+    /// The same everywhere, and as even as the mesh.
+    pub const fn even(cover: f32, roughness: f32) -> Self {
+        Self { cover: Grey::constant(cover), roughness: Grey::constant(roughness), normals: None }
+    }
+}
+
 /// What may vary over a surface beside its colours.
 #[derive(Clone, Debug, Default)]
 pub struct SurfaceMaps {
@@ -80,6 +98,8 @@ pub struct SurfaceMaps {
     pub roughness: Option<Arc<GreyTexture>>,
     /// Share of a coated surface that is a metal of the base's colour, 0 … 1.
     pub metallic: Option<Grey>,
+    /// What lies over all of it, glass excepted, which has a surface like that already.
+    pub clear_coat: Option<ClearCoat>,
     /// What colours of vertices change.
     pub tinted: Tinted,
     /// What single scattering by rough glass sends on; found out when first needed, for all materials alike.

@@ -43,6 +43,12 @@ impl Lobe {
         matches!(self, Self::Mirror(_) | Self::Glass(_) | Self::ThinGlass(_))
     }
 
+    /// Whether light passes through it.
+    #[inline]
+    pub const fn is_glass(&self) -> bool {
+        matches!(self, Self::Glass(_) | Self::ThinGlass(_) | Self::RoughGlass(_))
+    }
+
     /// Whether it looks equally bright from all sides.
     #[inline]
     pub const fn is_diffuse(&self) -> bool {

@@ -7,6 +7,7 @@
 //! Light is followed backwards (radiance, not importance), so crossing into an index η scales radiance by 1/η².
 
 mod albedo_grid;
+mod clear_coat;
 mod coat_albedo;
 mod coated;
 mod conductor;
@@ -27,6 +28,8 @@ mod thin_glass;
 mod albedo_tests;
 #[cfg(test)]
 pub(crate) mod chi_square;
+#[cfg(test)]
+mod clear_coat_tests;
 #[cfg(test)]
 mod sampling_tests;
 

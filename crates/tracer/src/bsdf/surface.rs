@@ -2,6 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
+use super::clear_coat::{self, ClearCoat};
 use super::frame::Frame;
 use super::{Coated, Conductor, Diffuse, Glass, Lobe, Mirror, RoughGlass, Scattered, ThinGlass, fresnel};
 use crate::interaction::Interaction;
@@ -44,6 +45,8 @@ pub struct Bsdf {
     outgoing: Vec3,
     local_outgoing: Vec3,
     lobe: Lobe,
+    /// What lies over the lobe.
+    coat: Option<ClearCoat>,
     albedo: Vec3,
 }
 
@@ -58,8 +61,18 @@ impl Bsdf {
         let normal = if shading_normal.dot(outgoing) > 0.0 { shading_normal } else { geometric_normal };
         let frame = Frame::new(normal);
         let local_outgoing = above(frame.to_local(outgoing));
-        let (lobe, albedo) = lobe_at(interaction, outside, local_outgoing.z);
-        Self { position: interaction.position, frame, geometric_normal, outgoing, local_outgoing, lobe, albedo }
+        let (lobe, mut albedo) = lobe_at(interaction, outside, local_outgoing.z);
+        let coat = interaction.material.maps.clear_coat.as_ref();
+        let coat = coat.filter(|_| !lobe.is_glass()).and_then(|coat| {
+            let cover = coat.cover.at(interaction.uv).clamp(0.0, 1.0);
+            let own = side * interaction.coat_normal;
+            let normal = if own.dot(outgoing) > 0.0 { own } else { geometric_normal };
+            let below = albedo;
+            albedo = albedo.lerp(Vec3::ONE, cover * clear_coat::REFLECTANCE);
+            let alpha = coat.roughness.at(interaction.uv).powi(2);
+            (cover > 0.0).then(|| ClearCoat::new(cover, alpha, normal, outgoing, below))
+        });
+        Self { position: interaction.position, frame, geometric_normal, outgoing, local_outgoing, lobe, coat, albedo }
     }
 
     /// Whether it scatters into single directions only: a perfect mirror or clear glass.
@@ -71,24 +84,29 @@ impl Bsdf {
     /// Whether it looks equally bright from all sides.
     #[inline]
     pub const fn is_diffuse(&self) -> bool {
-        self.lobe.is_diffuse()
+        self.lobe.is_diffuse() && self.coat.is_none()
     }
 
     /// What a part of it reflects to the viewer that looks equally bright from all sides, but for a factor that this
     /// includes: a diffuse surface, or the base of a coated one. `None` where there is no such part.
     #[inline]
     pub fn even_albedo(&self) -> Option<Vec3> {
-        self.lobe.even_albedo()
+        let below = self.lobe.even_albedo();
+        if let Some(coat) = &self.coat { below.map(|albedo| coat.passed * albedo) } else { below }
     }
 
     /// The share of that part in what is reflected of light from the unit vector `incoming`.
     #[inline]
     pub fn even_share(&self, incoming: Vec3) -> Vec3 {
-        self.local_incoming(incoming).map_or(Vec3::ZERO, |local| self.lobe.even_share(self.local_outgoing, local))
+        let Some(local) = self.local_incoming(incoming) else { return Vec3::ZERO };
+        let below = self.lobe.even_share(self.local_outgoing, local);
+        let Some(coat) = &self.coat else { return below };
+        let even = coat.passed * below * self.lobe.evaluate(self.local_outgoing, local);
+        (even / self.evaluate(incoming).max(Vec3::splat(f32::MIN_POSITIVE))).min(Vec3::ONE)
     }
 
     /// What the albedo feature holds, 0 … 1: diffuse reflectance, reflectance at normal incidence of metals and mirrors,
-    /// tint of glass; of a coated surface F₀ + (1 − F₀) k_d, and what of it is metal as metal.
+    /// tint of glass; of a coated surface F₀ + (1 − F₀) k_d, and what of it is metal as metal; below a clear coat likewise.
     #[inline]
     pub const fn albedo(&self) -> Vec3 {
         self.albedo
@@ -109,7 +127,9 @@ impl Bsdf {
     /// Where it is and where it looks for light.
     #[inline]
     pub fn receiver(&self) -> Receiver {
-        Receiver { position: self.position, normal: self.normal(), two_sided: self.is_two_sided() }
+        // Light from below the horizon of the surface matters to a coat that faces another way.
+        let faces_both = self.coat.as_ref().is_some_and(|coat| coat.normal() != self.normal());
+        Receiver { position: self.position, normal: self.normal(), two_sided: self.is_two_sided() || faces_both }
     }
 
     /// Whether light from `direction` can be scattered to the viewer: from above both horizons, the shading and the
@@ -117,12 +137,17 @@ impl Bsdf {
     #[inline]
     pub fn is_reached_from(&self, direction: Vec3) -> bool {
         let above = [self.geometric_normal, self.normal()].map(|normal| normal.dot(direction));
-        (above[0] > 0.0 && above[1] > 0.0) || (self.is_two_sided() && above[0] < 0.0 && above[1] < 0.0)
+        (above[0] > 0.0 && above[1] > 0.0)
+            || (self.is_two_sided() && above[0] < 0.0 && above[1] < 0.0)
+            || (above[0] > 0.0 && self.coat.as_ref().is_some_and(|coat| coat.normal().dot(direction) > 0.0))
     }
 
     /// Chooses a direction to follow the light back, from a number `choice` in [0, 1) and a point `u` in [0, 1)².
     /// `None` when the light is absorbed or would leak through the surface.
     pub fn sample_direction(&self, choice: f32, u: Vec2) -> Option<DirectionSample> {
+        if let Some(coat) = &self.coat {
+            return self.sample_coated(coat, choice, u);
+        }
         let sample = self.sample_in(self.frame, self.local_outgoing, choice, u);
         if sample.is_none() && self.is_specular() {
             let frame = Frame::new(self.geometric_normal);
@@ -138,18 +163,44 @@ impl Bsdf {
         (!leaks).then_some(DirectionSample { direction, weight, pdf, eta })
     }
 
+    /// From the coat or from what lies below it.
+    fn sample_coated(&self, coat: &ClearCoat, choice: f32, u: Vec2) -> Option<DirectionSample> {
+        let direction = if choice < coat.share {
+            coat.sample_direction(u)?
+        } else {
+            let choice = (choice - coat.share) / (1.0 - coat.share);
+            self.frame.to_world(self.lobe.sample_direction(self.local_outgoing, choice, u)?.incoming)
+        };
+        // Never below the real surface: there the density is 0.
+        let pdf = self.direction_pdf(direction);
+        let sample = || DirectionSample { direction, weight: self.evaluate(direction) / pdf, pdf: Some(pdf), eta: 1.0 };
+        (pdf > 0.0).then(sample)
+    }
+
     /// Density per solid angle of [`sample_direction`](Self::sample_direction) for the unit vector `incoming`; 0 for
     /// specular surfaces.
     #[inline]
     pub fn direction_pdf(&self, incoming: Vec3) -> f32 {
-        self.local_incoming(incoming).map_or(0.0, |local| self.lobe.direction_pdf(self.local_outgoing, local))
+        let local = self.local_incoming(incoming);
+        let below = local.map_or(0.0, |local| self.lobe.direction_pdf(self.local_outgoing, local));
+        match &self.coat {
+            None => below,
+            Some(_) if self.geometric_normal.dot(incoming) <= 0.0 => 0.0,
+            Some(coat) => coat.share * coat.direction_pdf(incoming) + (1.0 - coat.share) * below,
+        }
     }
 
     /// f·cos θ for light from the unit vector `incoming`; 0 for specular surfaces, and where shading normal and geometric
     /// normal do not agree on the side it comes from.
     #[inline]
     pub fn evaluate(&self, incoming: Vec3) -> Vec3 {
-        self.local_incoming(incoming).map_or(Vec3::ZERO, |local| self.lobe.evaluate(self.local_outgoing, local))
+        let local = self.local_incoming(incoming);
+        let below = local.map_or(Vec3::ZERO, |local| self.lobe.evaluate(self.local_outgoing, local));
+        match &self.coat {
+            None => below,
+            Some(_) if self.geometric_normal.dot(incoming) <= 0.0 => Vec3::ZERO,
+            Some(coat) => coat.passed * below + coat.evaluate(incoming),
+        }
     }
 
     /// `incoming` in the local frame, unless it could only leak from there.
@@ -170,8 +221,11 @@ pub(crate) fn may_be_specular(material: &Material) -> bool {
     let least = maps.roughness.as_ref().map_or(1.0, |map| map.range()[0].max(0.0));
     let is_smooth = |alpha: f32| alpha * least.powi(2) < SMOOTH_ALPHA;
     match &material.surface {
-        Surface::Mirror { .. } | Surface::ThinGlass { .. } => true,
+        Surface::ThinGlass { .. } => true,
         Surface::Glass { ior, alpha, .. } => is_smooth(*alpha) || is_clear(*ior),
+        // Below a clear coat everything is a little rough.
+        _ if maps.clear_coat.is_some() => false,
+        Surface::Mirror { .. } => true,
         Surface::Conductor { alpha, .. } => is_smooth(*alpha),
         // What is metal is a conductor.
         Surface::Coated { alpha, .. } => maps.metallic.as_ref().is_some_and(may_be_whole) && is_smooth(*alpha),
@@ -191,7 +245,7 @@ fn is_clear(ior: f32) -> bool {
 
 /// `direction` with a z above zero, which rounding may have taken from it.
 #[inline]
-fn above(direction: Vec3) -> Vec3 {
+pub(super) fn above(direction: Vec3) -> Vec3 {
     Vec3::new(direction.x, direction.y, direction.z.max(1e-7))
 }
 
@@ -206,6 +260,10 @@ fn lobe_at(interaction: &Interaction, outside: bool, cosine: f32) -> (Lobe, Vec3
         Surface::Diffuse { reflectance } => {
             let reflectance = colour(reflectance);
             (Lobe::Diffuse(Diffuse { reflectance }), reflectance)
+        }
+        Surface::Mirror { reflectance } if maps.clear_coat.is_some() => {
+            let reflectance = colour(reflectance);
+            (conductor(reflectance, [0.0; 2], cosine, maps), reflectance)
         }
         Surface::Mirror { reflectance } => {
             let reflectance = colour(reflectance);
@@ -246,8 +304,11 @@ fn coated(base: Vec3, coat: Vec3, alpha: f32, metallic: f32, cosine: f32) -> (Lo
     (Lobe::Coated(Coated::new(base, coat, metallic, alpha, cosine)), albedo)
 }
 
-/// A metal whose roughness is `alphas[1]` here and `alphas[0]` where the map does not lower it.
+/// A metal whose roughness is `alphas[1]` here and `alphas[0]` where the map does not lower it. Below a clear coat it is never
+/// a mirror, so that such surfaces have one kind of event.
 fn conductor(reflectance: Vec3, alphas: [f32; 2], cosine: f32, maps: &SurfaceMaps) -> Lobe {
+    let least = if maps.clear_coat.is_some() { SMOOTH_ALPHA } else { 0.0 };
+    let alphas = alphas.map(|alpha| alpha.max(least));
     let alpha = alphas[1].min(1.0);
     if alpha < SMOOTH_ALPHA {
         return Lobe::Mirror(Mirror { reflectance: fresnel::schlick(reflectance, cosine) });
@@ -276,6 +337,7 @@ mod tests {
             position_error: Vec3::ZERO,
             geometric_normal: normals[0],
             shading_normal: normals[1],
+            coat_normal: normals[1],
             uv: Vec2::ZERO,
             tint: Vec3::ONE,
             outgoing,

@@ -41,6 +41,7 @@ pub(super) fn floor_point(material: &Material) -> Interaction<'_> {
         position_error: Vec3::ZERO,
         geometric_normal: Vec3::Y,
         shading_normal: Vec3::Y,
+        coat_normal: Vec3::Y,
         uv: Vec2::ZERO,
         tint: Vec3::ONE,
         outgoing: Vec3::Y,

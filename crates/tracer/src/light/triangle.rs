@@ -37,6 +37,7 @@ pub(super) fn point<'a>(light: &EmissiveTriangle, material: &'a Material, u: Vec
         position_error: rounding(weights, light.vertices),
         geometric_normal: light.normal,
         shading_normal: light.normal,
+        coat_normal: light.normal,
         uv: Vec2::ZERO,
         tint: Vec3::ONE,
         outgoing: light.normal,

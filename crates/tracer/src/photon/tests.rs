@@ -63,6 +63,7 @@ fn the_map_finds_all_photons_near_a_point_on_its_surface() {
             position_error: Vec3::ZERO,
             geometric_normal: normal,
             shading_normal: normal,
+            coat_normal: normal,
             uv: Vec2::ZERO,
             tint: Vec3::ONE,
             outgoing: normal,

@@ -8,7 +8,7 @@ use super::instance::Placed;
 use super::mesh::Mesh;
 use super::{Dropped, Scene};
 use crate::digest::Digest;
-use crate::material::{Colour, Grey, Material, Surface, SurfaceMaps, Tinted};
+use crate::material::{ClearCoat, Colour, Grey, Material, Surface, SurfaceMaps, Tinted};
 use crate::texture::{GreyTexture, Raster, Texture};
 
 /// Digests of what a scene consists of. Equal scenes have equal ones, wherever their files are and whatever they are
@@ -83,13 +83,19 @@ impl Surfaces {
         let Material { name: _, surface, emission, maps } = material;
         self.surface(surface);
         self.colour(emission);
-        let SurfaceMaps { opacity, normals, roughness, metallic, tinted, .. } = maps;
+        let SurfaceMaps { opacity, normals, roughness, metallic, clear_coat, tinted, .. } = maps;
         for grey in [opacity, metallic] {
             self.digest.debug(&grey.is_some());
             grey.iter().for_each(|grey| self.grey(grey));
         }
+        // Only where there is something to say, so that the digests of other materials stay what they were.
         if *tinted != Tinted::default() {
             self.digest.debug(tinted);
+        }
+        if let Some(ClearCoat { cover, roughness, normals }) = clear_coat {
+            self.digest.debug(&"clear coat");
+            [cover, roughness].into_iter().for_each(|grey| self.grey(grey));
+            self.texture(normals.as_ref());
         }
         self.texture(normals.as_ref());
         self.grey_texture(roughness.as_ref());
@@ -213,6 +219,8 @@ mod tests {
             fingerprint(|plan| plan.material.maps.opacity = Some(Grey::constant(0.5))),
             fingerprint(|plan| plan.material.maps.metallic = Some(Grey::constant(0.5))),
             fingerprint(|plan| plan.material.maps.tinted = Tinted::Nothing),
+            fingerprint(|plan| plan.material.maps.clear_coat = Some(ClearCoat::even(0.5, 0.0))),
+            fingerprint(|plan| plan.material.maps.clear_coat = Some(ClearCoat::even(0.5, 0.1))),
             fingerprint(|plan| plan.material.maps.roughness = Some(Arc::new(GreyTexture::new(1, 1, vec![0.5])))),
         ];
         for (i, changed) in materials.iter().enumerate() {

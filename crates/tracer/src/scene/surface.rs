@@ -1,5 +1,7 @@
 //! What a hit triangle looks like at the hit.
 
+use std::sync::Arc;
+
 use glam::{Vec2, Vec3, Vec4};
 
 use super::instance::Placed;
@@ -9,6 +11,7 @@ use super::{Placement, Scene};
 use crate::Ray;
 use crate::bvh::TriangleHit;
 use crate::interaction::Interaction;
+use crate::texture::Texture;
 
 /// γ₇ of pbrt-v4, section 6.8.5: relative error of a barycentric sum.
 const GAMMA_7: f32 = 3.5 * f32::EPSILON / (1.0 - 3.5 * f32::EPSILON);
@@ -27,17 +30,20 @@ impl Scene {
         let material = &self.materials[mesh.materials[hit.triangle as usize] as usize];
         let smooth = shading_normal(mesh, placement, hit, geometric_normal);
         let uv = mesh.uv(hit);
-        let shading_normal = match &material.maps.normals {
+        let bent = |map: &Option<Arc<Texture>>| match map {
             Some(map) => {
                 relief::normal(map.lookup(uv), smooth, geometric_normal, corners, mesh.corner_uvs(hit.triangle))
             }
             None => smooth,
         };
+        let shading_normal = bent(&material.maps.normals);
+        let coat_normal = material.maps.clear_coat.as_ref().map_or(shading_normal, |coat| bent(&coat.normals));
         Interaction {
             position: weighted[0] + weighted[1] + weighted[2],
             position_error: GAMMA_7 * (weighted[0].abs() + weighted[1].abs() + weighted[2].abs()),
             geometric_normal,
             shading_normal,
+            coat_normal,
             uv,
             tint: if mesh.colours.is_empty() { Vec3::ONE } else { mesh.colour(hit).truncate() },
             outgoing: -ray.direction,

@@ -13,7 +13,7 @@ use super::image_table::ImageTable;
 use super::keys::{NOT_NEGATIVE, SHARE, TomlTable, toml_table};
 use super::mistakes::{Lines, nearest};
 use super::values::{Image, Textured, Triple};
-use crate::material::{Colour, Grey, Material};
+use crate::material::{ClearCoat, Colour, Grey, Material};
 use crate::texture::Texture;
 
 toml_table! {
@@ -35,6 +35,10 @@ toml_table! {
         optional ior: f32 = "as in the file", 0.1..=10.0;
         /// reflectance of the coat at normal incidence; overrides `ior`; 0 takes the coat off
         optional specular: Textured<Triple> = "as in the file", SHARE;
+        /// share of the surface that is below a clear coat of reflectance 0.04; glass has none
+        optional clear_coat: Textured<f32> = "as in the file", SHARE;
+        /// roughness of the clear coat, 0 where nobody says; α is its square
+        optional clear_coat_roughness: Textured<f32> = "as in the file", SHARE;
         /// emitted radiance
         optional emission: Textured<Triple> = "as in the file", NOT_NEGATIVE;
         /// normals in the frame of *u* and *v* (OpenGL's convention)
@@ -56,6 +60,8 @@ pub(in super::super) struct MaterialChange {
     thin: Option<bool>,
     ior: Option<f32>,
     alpha: Option<NumberChange>,
+    clear_coat: Option<NumberChange>,
+    clear_coat_roughness: Option<NumberChange>,
     emission: Option<ColourChange>,
     specular: Option<ColourChange>,
     relief: Option<(Relief, Located)>,
@@ -98,6 +104,8 @@ impl MaterialTable {
             transmission: self.transmission().copied(),
             thin: self.thin().copied(),
             alpha: number(&self.alpha, lines)?,
+            clear_coat: number(&self.clear_coat, lines)?,
+            clear_coat_roughness: number(&self.clear_coat_roughness, lines)?,
             ior: self.ior().copied(),
             emission: colour(&self.emission, lines)?,
             specular: colour(&self.specular, lines)?,
@@ -188,6 +196,7 @@ impl MaterialChange {
         look.transmission = self.transmission.unwrap_or(look.transmission);
         look.thin = self.thin.unwrap_or(look.thin);
         self.change_numbers(&mut look, material, files)?;
+        self.change_clear_coat(material, files)?;
         if let Some((kind, image)) = &self.relief {
             material.maps.normals = Some(read_relief(*kind, image, files)?);
         }
@@ -214,6 +223,21 @@ impl MaterialChange {
             let opacity = change.read(files, Channel::Alpha)?;
             maps.opacity = (opacity.texture.is_some() || opacity.factor < 1.0).then_some(opacity);
         }
+        Ok(())
+    }
+}
+
+impl MaterialChange {
+    /// A coat that covers nothing is none.
+    fn change_clear_coat(&self, material: &mut Material, files: &mut TextureFiles) -> Result<(), SceneError> {
+        let mut coat = material.maps.clear_coat.take().unwrap_or(ClearCoat::even(0.0, 0.0));
+        if let Some(change) = &self.clear_coat {
+            coat.cover = change.read(files, Channel::Luminance)?;
+        }
+        if let Some(change) = &self.clear_coat_roughness {
+            coat.roughness = change.read(files, Channel::Luminance)?;
+        }
+        material.maps.clear_coat = (coat.cover.factor > 0.0).then_some(coat);
         Ok(())
     }
 }

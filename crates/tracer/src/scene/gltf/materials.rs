@@ -4,14 +4,17 @@ use std::path::Path;
 use std::sync::Arc;
 
 use glam::Vec3;
+use gltf::json;
 use gltf::material::AlphaMode;
+use serde::Deserialize;
 
 use super::super::look::{COMMON_COAT, Look, metalness};
 use super::super::notes::Notes;
 use super::super::textures::{Channel, TextureFiles, TextureUse};
 use super::buffers::Buffers;
 use super::placed_textures::PlacedTexture;
-use crate::material::{Colour, Grey, Material, Surface, SurfaceMaps, Tinted};
+use crate::material::{ClearCoat, Colour, Grey, Material, Surface, SurfaceMaps, Tinted};
+use crate::texture::Texture;
 
 /// What meshes have to know of a material.
 #[derive(Clone, Copy, Debug)]
@@ -30,7 +33,7 @@ pub(super) fn read_materials(
     folder: &Path,
     notes: &mut Notes,
 ) -> (Vec<Material>, Vec<Needs>) {
-    let mut reader = Reader { document, buffers, files: TextureFiles::new(folder), notes };
+    let mut reader = Reader { document, buffers, files: TextureFiles::new(folder), notes, ignored: Vec::new() };
     let (mut materials, mut needs) = (Vec::new(), Vec::new());
     for material in document.materials() {
         let name = material.name().map_or_else(|| format!("material {}", materials.len()), str::to_owned);
@@ -38,6 +41,7 @@ pub(super) fn read_materials(
         needs.push(Needs { set: one.set, alpha: material.alpha_mode() });
         materials.push(reader.material(one));
     }
+    reader.note_ignored();
     // What the specification gives them is rough white metal; viewers and their users know dull grey.
     for reflectance in [1.0, 0.5] {
         let dull = Surface::Diffuse { reflectance: Colour::constant(Vec3::splat(reflectance)) };
@@ -56,11 +60,27 @@ fn set_of(material: &gltf::Material) -> u32 {
     placed.or_else(|| of_normals().map(|placed| placed.set)).unwrap_or(0)
 }
 
+/// A pane of this α or more would show what is behind it blurred.
+const ROUGH_PANE: f32 = 0.01;
+
+/// `KHR_materials_clearcoat` of a material.
+#[derive(Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+struct WrittenClearCoat {
+    clearcoat_factor: f32,
+    clearcoat_texture: Option<json::texture::Info>,
+    clearcoat_roughness_factor: f32,
+    clearcoat_roughness_texture: Option<json::texture::Info>,
+    clearcoat_normal_texture: Option<json::material::NormalTexture>,
+}
+
 struct Reader<'a> {
     document: &'a gltf::Document,
     buffers: &'a Buffers,
     files: TextureFiles<'a>,
     notes: &'a mut Notes,
+    /// What is not supported, and the names of the materials that have it.
+    ignored: Vec<(&'static str, Vec<String>)>,
 }
 
 /// A material that is being read.
@@ -101,6 +121,10 @@ impl Reader<'_> {
         (metal, maps.metallic) = metalness(metallic);
         let roughness = pbr.roughness_factor();
         let surface = self.look(&one, base, metal, roughness * roughness).surface(maps.metallic.is_some());
+        maps.clear_coat = self.clear_coat(&one);
+        if matches!(surface, Surface::Glass { .. } | Surface::ThinGlass { .. }) && maps.clear_coat.take().is_some() {
+            self.ignore(&one, "a clear coat over glass is");
+        }
         Material { name: one.name, surface, emission, maps }
     }
 
@@ -112,24 +136,63 @@ impl Reader<'_> {
         if let Some(specular) = one.material.specular() {
             let factor = specular.specular_factor() * Vec3::from(specular.specular_color_factor());
             let coat = look.coat.map_or(Vec3::splat(COMMON_COAT), |coat| coat.factor);
-            look.coat = Some(Colour::constant((coat * factor).clamp(Vec3::ZERO, Vec3::ONE)));
-            if specular.specular_texture().is_some() || specular.specular_color_texture().is_some() {
-                self.ignore(one, "textures of specular reflection");
+            let placed = specular.specular_color_texture().map(|info| PlacedTexture::of(&info));
+            look.coat = Some(self.colour(one, (coat * factor).clamp(Vec3::ZERO, Vec3::ONE), placed));
+            if specular.specular_texture().is_some() {
+                self.ignore(one, "the texture of how much is reflected specularly is");
             }
         }
-        if let Some(transmission) = one.material.transmission() {
+        // Light does not pass through metal.
+        if let Some(transmission) = one.material.transmission().filter(|_| !metal) {
             look.transmission = transmission.transmission_factor();
+            if look.transmission > 0.0 && look.transmission < 1.0 {
+                self.ignore(one, "transmission of a part of the light is");
+            }
             // Without a volume behind it, a surface is a pane.
             let volume = one.material.volume().filter(|volume| volume.thickness_factor() > 0.0);
             look.thin = volume.is_none();
             if transmission.transmission_texture().is_some() {
-                self.ignore(one, "the texture of transmission");
+                self.ignore(one, "the texture of transmission is");
+            }
+            if look.thin && look.transmission >= 0.5 && alpha > ROUGH_PANE {
+                self.ignore(one, "roughness of a pane is");
             }
             if volume.is_some_and(|v| v.attenuation_distance().is_finite() && v.attenuation_color() != [1.0; 3]) {
-                self.ignore(one, "attenuation within its volume");
+                self.ignore(one, "attenuation within a volume is");
             }
         }
         look
+    }
+
+    /// `KHR_materials_clearcoat`, which the crate leaves unread.
+    fn clear_coat(&mut self, one: &One) -> Option<ClearCoat> {
+        let written = one.material.extension_value("KHR_materials_clearcoat")?;
+        let written = self.found(one, |_| {
+            WrittenClearCoat::deserialize(written).map_err(|why| format!("KHR_materials_clearcoat: {why}"))
+        })?;
+        if written.clearcoat_factor.is_nan() || written.clearcoat_factor <= 0.0 {
+            return None;
+        }
+        let mut number = |factor: f32, texture: Option<&json::texture::Info>, channel| {
+            let texture = texture.and_then(|info| self.extension_texture(one, info));
+            let texture = texture.and_then(|texture| self.found(one, |files| files.greys(&texture, channel)));
+            Grey { factor: factor.clamp(0.0, 1.0), texture }
+        };
+        let cover = number(written.clearcoat_factor, written.clearcoat_texture.as_ref(), Channel::Red);
+        let roughness = written.clearcoat_roughness_texture.as_ref();
+        let roughness = number(written.clearcoat_roughness_factor, roughness, Channel::Green);
+        let document = self.document;
+        let normals = written.clearcoat_normal_texture.and_then(|normals| {
+            let placed = self.found(one, |_| PlacedTexture::of_normals_of_extension(&normals, document))?;
+            self.relief(one, &placed, normals.scale)
+        });
+        Some(ClearCoat { cover, roughness, normals })
+    }
+
+    fn extension_texture(&mut self, one: &One, info: &json::texture::Info) -> Option<TextureUse> {
+        let document = self.document;
+        let placed = self.found(one, |_| PlacedTexture::of_extension(info, document))?;
+        self.place(one, &placed)
     }
 
     fn colour(&mut self, one: &One, factor: Vec3, placed: Option<PlacedTexture>) -> Colour {
@@ -173,18 +236,22 @@ impl Reader<'_> {
         }
     }
 
-    fn normals(&mut self, one: &One) -> Option<Arc<crate::texture::Texture>> {
+    fn normals(&mut self, one: &One) -> Option<Arc<Texture>> {
         let normal = one.material.normal_texture()?;
         let placed = self.found(one, |_| PlacedTexture::of_normals(&normal))?;
-        let texture = self.place(one, &placed)?;
-        let texture = TextureUse { strength: normal.scale(), ..texture };
+        self.relief(one, &placed, normal.scale())
+    }
+
+    fn relief(&mut self, one: &One, placed: &PlacedTexture, strength: f32) -> Option<Arc<Texture>> {
+        let texture = self.place(one, placed)?;
+        let texture = TextureUse { strength, ..texture };
         self.found(one, |files| files.normals(&texture))
     }
 
     /// The image of a texture, if there is one that the mesh has coordinates for.
     fn place(&mut self, one: &One, placed: &PlacedTexture) -> Option<TextureUse> {
         if placed.set != one.set {
-            self.ignore(one, "textures laid out by further texture coordinates");
+            self.ignore(one, "textures laid out by further texture coordinates are");
             return None;
         }
         let texture = placed.texture_use(self.document, self.buffers, &mut self.files);
@@ -198,7 +265,23 @@ impl Reader<'_> {
             .ok()
     }
 
-    fn ignore(&mut self, one: &One, what: &str) {
-        self.notes.add(format!("material '{}': {what} not supported and ignored", one.name));
+    fn ignore(&mut self, one: &One, what: &'static str) {
+        match self.ignored.iter_mut().find(|(other, _)| *other == what) {
+            Some((_, names)) if names.contains(&one.name) => {}
+            Some((_, names)) => names.push(one.name.clone()),
+            None => self.ignored.push((what, vec![one.name.clone()])),
+        }
+    }
+
+    /// One line for each kind.
+    fn note_ignored(&mut self) {
+        for (what, names) in &self.ignored {
+            let others = match names.len() - 1 {
+                0 => String::new(),
+                1 => " and 1 other".into(),
+                others => format!(" and {others} others"),
+            };
+            self.notes.add(format!("material '{}'{others}: {what} not supported and ignored", names[0]));
+        }
     }
 }

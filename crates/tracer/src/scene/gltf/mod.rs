@@ -46,8 +46,10 @@ pub(super) struct GltfFile {
 }
 
 /// Extensions that are heeded, or that say nothing about what is rendered here.
-const KNOWN: [&str; 10] = [
+const KNOWN: [&str; 13] = [
+    "EXT_mesh_gpu_instancing",
     "KHR_lights_punctual",
+    "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
     "KHR_materials_specular",
@@ -57,6 +59,7 @@ const KNOWN: [&str; 10] = [
     "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
+    "KHR_xmp_json_ld",
 ];
 
 /// Reads a `.gltf` or `.glb` file and those it names: its scene, as it stands before anything moves. What is missing or not
@@ -84,7 +87,7 @@ pub(super) fn read_gltf(path: &Path, notes: &mut Notes) -> Result<GltfFile, Scen
     let meshes = read_meshes(&document, &buffers, &needs, path, notes).map_err(refused)?;
     show_opacity_of_vertices(&meshes, &mut materials);
     let mut stage = Stage::new(meshes.iter().map(|mesh| !mesh.triangles.is_empty()).collect());
-    stage.set(&document, path, notes).map_err(refused)?;
+    stage.set(&document, &buffers, path, notes).map_err(refused)?;
     let Stage { instances, cameras, delta_lights, .. } = stage;
     if instances.is_empty() {
         let vertices = meshes.iter().map(|mesh| mesh.positions.len()).sum();
@@ -118,7 +121,14 @@ impl GltfFile {
 /// Checks that everything points somewhere and that no extension is needed that is not known.
 fn check(root: &Root) -> Result<(), String> {
     if let Some(needed) = root.extensions_required.iter().find(|name| !KNOWN.contains(&name.as_str())) {
-        return Err(format!("needs the extension {needed}, which is not supported; export it without"));
+        return Err(format!("needs the extension {needed}, which is not supported; {}", remedy(needed)));
+    }
+    // Geometry may be there twice, compressed and not; or only compressed, whatever the file says of need.
+    if let Some(compressed) = compressed_only(root) {
+        return Err(format!(
+            "has geometry that only {compressed} holds, which is not supported; {}",
+            remedy(compressed)
+        ));
     }
     // What the crate takes for granted while it checks.
     let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
@@ -143,9 +153,42 @@ fn check(root: &Root) -> Result<(), String> {
     })
 }
 
+/// What to do about an extension that a file cannot be read without.
+fn remedy(extension: &str) -> String {
+    match extension {
+        "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
+            "unpack it with gltfpack -i IN.glb -o OUT.glb -noq, or export it without compression".into()
+        }
+        DRACO => "open it in Blender and export it without compression".into(),
+        "KHR_texture_basisu" | "EXT_texture_webp" | "EXT_texture_avif" | "MSFT_texture_dds" => {
+            "export it with textures in PNG or JPEG".into()
+        }
+        _ => "export it without".into(),
+    }
+}
+
+const VARIANTS: &str = "KHR_materials_variants";
+const DRACO: &str = "KHR_draco_mesh_compression";
+
+/// An extension that alone holds some of the geometry.
+fn compressed_only(root: &Root) -> Option<&'static str> {
+    let position = Checked::Valid(gltf::Semantic::Positions);
+    let mut primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    let only_draco = primitives.any(|one| {
+        let has_draco = one.extensions.as_ref().is_some_and(|all| all.others.contains_key(DRACO));
+        let accessor = one.attributes.get(&position).and_then(|accessor| root.accessors.get(accessor.value()));
+        has_draco && accessor.is_some_and(|accessor| accessor.buffer_view.is_none())
+    });
+    only_draco.then_some(DRACO)
+}
+
 fn note_unknown(root: &Root, path: &Path, notes: &mut Notes) {
     for name in root.extensions_used.iter().filter(|name| !KNOWN.contains(&name.as_str())) {
         notes.add(format!("{}: the extension {name} is not supported and ignored", path.display()));
+    }
+    let primitives = root.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    if primitives.filter_map(|one| one.extensions.as_ref()).any(|all| all.others.contains_key(VARIANTS)) {
+        notes.add(format!("{}: of the variants of materials, the usual one is shown", path.display()));
     }
     if !root.animations.is_empty() || !root.skins.is_empty() {
         notes.add(format!("{}: animations and skins are ignored; everything stands as it is placed", path.display()));

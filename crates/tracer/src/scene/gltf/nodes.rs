@@ -2,13 +2,16 @@
 
 use std::path::Path;
 
-use glam::{DAffine3, DMat4, DVec3, Vec3};
+use glam::{DAffine3, DMat4, DQuat, DVec3, Vec3};
 use gltf::camera::Projection;
 use gltf::khr_lights_punctual::{Kind, Light};
 use gltf::{Camera, Node};
+use serde::Deserialize;
 
 use super::super::notes::Notes;
 use super::super::{Instance, Placement};
+use super::buffers::Buffers;
+use super::numbers::vectors;
 use crate::camera::CameraDescription;
 use crate::light::DeltaLight;
 
@@ -34,7 +37,13 @@ impl Stage {
     ///
     /// # Errors
     /// In words, when there is none, or a node stands below several others or itself.
-    pub(super) fn set(&mut self, document: &gltf::Document, path: &Path, notes: &mut Notes) -> Result<(), String> {
+    pub(super) fn set(
+        &mut self,
+        document: &gltf::Document,
+        buffers: &Buffers,
+        path: &Path,
+        notes: &mut Notes,
+    ) -> Result<(), String> {
         let scene = document.default_scene().or_else(|| document.scenes().next()).ok_or("has no scene")?;
         let mut seen = vec![false; document.nodes().len()];
         let mut left: Vec<(Node, DAffine3)> = scene.nodes().map(|node| (node, DAffine3::IDENTITY)).collect();
@@ -46,21 +55,32 @@ impl Stage {
             }
             let matrix = DMat4::from_cols_array_2d(&node.transform().matrix().map(|column| column.map(f64::from)));
             let map = above * DAffine3::from_mat4(matrix);
-            self.place(&node, map, path, notes);
+            let several = places_of(&node, document, buffers)
+                .map_err(|reason| format!("nodes[{}]: EXT_mesh_gpu_instancing: {reason}", node.index()))?;
+            self.place_mesh(&node, map, several.as_deref(), path, notes);
+            self.place_others(&node, map, path, notes);
             let children: Vec<Node> = node.children().collect();
             left.extend(children.into_iter().rev().map(|child| (child, map)));
         }
         Ok(())
     }
 
-    fn place(&mut self, node: &Node, map: DAffine3, path: &Path, notes: &mut Notes) {
-        let what = || format!("{}: nodes[{}]", path.display(), node.index());
-        if let Some(mesh) = node.mesh().filter(|mesh| self.visible[mesh.index()]) {
-            match Placement::new(map) {
+    /// The mesh of a node, at all places that it is put in there.
+    fn place_mesh(&mut self, node: &Node, map: DAffine3, several: Option<&[DAffine3]>, path: &Path, notes: &mut Notes) {
+        let Some(mesh) = node.mesh().filter(|mesh| self.visible[mesh.index()]) else { return };
+        for within in several.unwrap_or(&[DAffine3::IDENTITY]) {
+            match Placement::new(map * *within) {
                 Some(placement) => self.instances.push(Instance { mesh: mesh.index(), placement, motion: None }),
-                None => notes.add(format!("{}: a mesh without extent left out", what())),
+                None => {
+                    let (path, node) = (path.display(), node.index());
+                    notes.add(format!("{path}: nodes[{node}]: a mesh without extent left out"));
+                }
             }
         }
+    }
+
+    fn place_others(&mut self, node: &Node, map: DAffine3, path: &Path, notes: &mut Notes) {
+        let what = || format!("{}: nodes[{}]", path.display(), node.index());
         if let Some(camera) = node.camera() {
             match description(&camera, map).filter(|description| description.check().is_ok()) {
                 Some(description) => {
@@ -77,6 +97,57 @@ impl Stage {
             }
         }
     }
+}
+
+/// `EXT_mesh_gpu_instancing` of a node.
+#[derive(Deserialize)]
+struct WrittenPlaces {
+    attributes: WrittenAttributes,
+}
+
+/// Numbers of accessors; others than these say nothing about where meshes are.
+#[derive(Deserialize)]
+#[serde(rename_all = "UPPERCASE")]
+struct WrittenAttributes {
+    translation: Option<usize>,
+    rotation: Option<usize>,
+    scale: Option<usize>,
+}
+
+/// Where within a node its mesh stands, when that is several times.
+///
+/// # Errors
+/// In words, when numbers are not there.
+fn places_of(node: &Node, document: &gltf::Document, buffers: &Buffers) -> Result<Option<Vec<DAffine3>>, String> {
+    let Some(written) = node.extension_value("EXT_mesh_gpu_instancing") else { return Ok(None) };
+    let WrittenPlaces { attributes } = WrittenPlaces::deserialize(written).map_err(|why| why.to_string())?;
+    let accessor = |number: usize| {
+        let there = document.accessors().nth(number);
+        there.ok_or_else(|| format!("accessors[{number}] is not there"))
+    };
+    let three = |number: Option<usize>| number.map(|number| vectors::<3>(&accessor(number)?, buffers)).transpose();
+    let translations = three(attributes.translation)?;
+    let scales = three(attributes.scale)?;
+    let rotations = attributes.rotation.map(|number| vectors::<4>(&accessor(number)?, buffers)).transpose()?;
+    let counts = [translations.as_ref().map(Vec::len), scales.as_ref().map(Vec::len), rotations.as_ref().map(Vec::len)];
+    let mut counts = counts.into_iter().flatten();
+    let Some(count) = counts.next() else { return Ok(None) };
+    if counts.any(|other| other != count) {
+        return Err("its accessors do not hold equally many elements".into());
+    }
+    let place = |i: usize| {
+        let translation = translations.as_ref().map_or(DVec3::ZERO, |all| Vec3::from(all[i]).as_dvec3());
+        let scale = scales.as_ref().map_or(DVec3::ONE, |all| Vec3::from(all[i]).as_dvec3());
+        let rotation = rotations.as_ref().map_or(DQuat::IDENTITY, |all| DQuat::from_array(all[i].map(f64::from)));
+        DAffine3::from_scale_rotation_translation(scale, unit(rotation), translation)
+    };
+    Ok(Some((0..count).map(place).collect()))
+}
+
+/// Of length 1; no turn where there is none to be told.
+fn unit(rotation: DQuat) -> DQuat {
+    let length = rotation.length();
+    if length > 0.0 && length.is_finite() { rotation / length } else { DQuat::IDENTITY }
 }
 
 /// The direction and the place to which `map` moves -z and the origin.

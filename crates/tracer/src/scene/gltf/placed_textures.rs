@@ -4,13 +4,14 @@ use glam::{Mat2, Vec2};
 use gltf::json;
 use gltf::material::NormalTexture;
 use gltf::texture::{Info, Texture, TextureTransform, WrappingMode};
-use serde::Deserialize;
+use serde::{Deserialize, Deserializer};
 
 use super::super::textures::{TextureFiles, TextureUse};
 use super::buffers::{Buffers, embedded, file_name};
 use crate::texture::Wrap;
 
 /// A texture and how it is laid out.
+#[derive(Clone)]
 pub(super) struct PlacedTexture<'a> {
     texture: Texture<'a>,
     /// Which texture coordinates.
@@ -31,11 +32,43 @@ impl<'a> PlacedTexture<'a> {
     /// In words, why that cannot be read.
     pub(super) fn of_normals(normals: &NormalTexture<'a>) -> Result<Self, String> {
         let plain = Self::plain(normals.texture(), normals.tex_coord());
-        let Some(written) = normals.extension_value("KHR_texture_transform") else { return Ok(plain) };
+        plain.moved_as_written(normals.extension_value("KHR_texture_transform"))
+    }
+
+    /// A texture that an extension of materials names, which the crate does not know.
+    ///
+    /// # Errors
+    /// In words, when there is no such texture.
+    pub(super) fn of_extension(written: &json::texture::Info, document: &'a gltf::Document) -> Result<Self, String> {
+        let plain = Self::plain(numbered(written.index.value(), document)?, written.tex_coord);
+        let transform = written.extensions.as_ref().and_then(|extensions| extensions.texture_transform.as_ref());
+        Ok(transform.map_or(plain.clone(), |transform| plain.moved(transform)))
+    }
+
+    /// The same of a normal map.
+    ///
+    /// # Errors
+    /// In words, when there is no such texture, or the transform cannot be read.
+    pub(super) fn of_normals_of_extension(
+        written: &json::material::NormalTexture,
+        document: &'a gltf::Document,
+    ) -> Result<Self, String> {
+        let plain = Self::plain(numbered(written.index.value(), document)?, written.tex_coord);
+        let others = written.extensions.as_ref().map(|extensions| &extensions.others);
+        plain.moved_as_written(others.and_then(|others| others.get("KHR_texture_transform")))
+    }
+
+    /// Moved as a `KHR_texture_transform` says that the crate has left as it is written.
+    fn moved_as_written<'w, W: Deserializer<'w>>(self, written: Option<W>) -> Result<Self, String> {
+        let Some(written) = written else { return Ok(self) };
         let transform = json::extensions::texture::TextureTransform::deserialize(written);
         let transform = transform.map_err(|why| format!("KHR_texture_transform of its normal texture: {why}"))?;
+        Ok(self.moved(&transform))
+    }
+
+    fn moved(self, transform: &json::extensions::texture::TextureTransform) -> Self {
         let (map, offset) = upwards(transform.scale.0, transform.rotation.0, transform.offset.0);
-        Ok(Self { set: transform.tex_coord.unwrap_or(plain.set), map, offset, ..plain })
+        Self { set: transform.tex_coord.unwrap_or(self.set), map, offset, ..self }
     }
 
     /// What `info` says.
@@ -92,6 +125,10 @@ impl<'a> PlacedTexture<'a> {
         });
         Ok(TextureUse { map: self.map, offset: self.offset, wrap, ..TextureUse::plain(file) })
     }
+}
+
+fn numbered(number: usize, document: &gltf::Document) -> Result<Texture<'_>, String> {
+    document.textures().nth(number).ok_or_else(|| format!("textures[{number}] is not there"))
 }
 
 /// The map of `KHR_texture_transform`, of texture coordinates that begin at the bottom of an image instead of at its top:

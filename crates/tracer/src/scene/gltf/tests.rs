@@ -255,14 +255,125 @@ fn materials_are_made_of_what_there_is_a_surface_for() {
     assert!(matches!(surface(&with(&ball)), Surface::Glass { ior: 1.5, alpha: 1.0, .. }));
     assert_eq!(
         material(&with(&ball)).1,
-        ["material 'material 0': attenuation within its volume not supported and ignored"]
+        ["material 'material 0': attenuation within a volume is not supported and ignored"]
     );
+    let veiled = with(r#""KHR_materials_transmission": { "transmissionFactor": 0.3 }"#);
+    let (veiled, notes) = material(&veiled);
+    assert!(matches!(veiled.surface, Surface::Coated { .. }));
+    assert_eq!(notes, ["material 'material 0': transmission of a part of the light is not supported and ignored"]);
+    let frosted = &material(&with(pane)).1[0];
+    assert!(frosted.contains("roughness of a pane is not supported"), "{frosted}");
+    let metal = format!(r#"{{ "extensions": {{ {pane} }} }}"#);
+    assert!(matches!(surface(&metal), Surface::Conductor { .. }), "light does not pass through metal");
+    let painted = with(r#""KHR_materials_specular": { "specularColorTexture": { "index": 0 } }"#);
+    let Surface::Coated { specular, .. } = surface(&painted) else { panic!() };
+    assert_eq!(specular.at(Vec2::new(0.25, 0.5)), Vec3::new(0.04, 0.0, 0.0));
     let lamp = r#""KHR_materials_emissive_strength": { "emissiveStrength": 5 }"#;
     let lamp = with(lamp).replacen('{', r#"{ "emissiveFactor": [1, 0.5, 0],"#, 1);
     assert_eq!(material(&lamp).0.emission.factor, Vec3::new(5.0, 2.5, 0.0));
     let drawn = material(&with(r#""KHR_materials_unlit": {}"#)).0;
     assert!(is(&drawn.emission, [0.5; 3]));
     assert!(matches!(&drawn.surface, Surface::Diffuse { reflectance } if is(reflectance, [0.0; 3])));
+}
+
+#[test]
+fn clear_coats_lie_over_materials() {
+    let coated = |coat: &str| {
+        material(&format!(
+            r#"{{ "extensions": {{ "KHR_materials_clearcoat": {coat} }}, "normalTexture": {{ "index": 0 }} }}"#
+        ))
+    };
+    let coat = |text: &str| coated(text).0.maps.clear_coat;
+    let plain = coat(r#"{ "clearcoatFactor": 0.5, "clearcoatRoughnessFactor": 0.25 }"#).unwrap();
+    assert_eq!((plain.cover.factor, plain.roughness.factor), (0.5, 0.25));
+    assert!(plain.normals.is_none(), "relief of the base is not the coat's");
+    assert!(coat("{}").is_none() && coat(r#"{ "clearcoatRoughnessFactor": 1 }"#).is_none());
+    let index = r#"{ "index": 0 }"#;
+    let mapped = coat(&format!(
+        r#"{{ "clearcoatFactor": 1, "clearcoatTexture": {index}, "clearcoatRoughnessFactor": 1, "clearcoatRoughnessTexture": {index},
+        "clearcoatNormalTexture": {{ "index": 0, "extensions": {{ "KHR_texture_transform": {{ "scale": [2, 1] }} }} }} }}"#
+    ))
+    .unwrap();
+    let left = Vec2::new(0.25, 0.5);
+    assert_eq!((mapped.cover.at(left), mapped.roughness.at(left)), (1.0, 0.0), "red of cover, green of roughness");
+    assert_eq!(mapped.normals.unwrap().map, Mat2::from_diagonal(Vec2::new(2.0, 1.0)));
+    let (gone, notes) = coated(r#"{ "clearcoatFactor": 1, "clearcoatTexture": { "index": 7 } }"#);
+    assert!(
+        gone.maps.clear_coat.is_some() && notes[0].contains("textures[7] is not there; it is left out"),
+        "{notes:?}"
+    );
+    let (bare, notes) = coated(r#"{ "clearcoatFactor": "much" }"#);
+    assert!(bare.maps.clear_coat.is_none() && notes[0].contains("KHR_materials_clearcoat: invalid type"), "{notes:?}");
+    let glass = r#"{ "pbrMetallicRoughness": { "metallicFactor": 0, "roughnessFactor": 0 }, "extensions": {
+        "KHR_materials_transmission": { "transmissionFactor": 1 }, "KHR_materials_clearcoat": { "clearcoatFactor": 1 } } }"#;
+    let (glass, notes) = material(glass);
+    assert!(
+        glass.maps.clear_coat.is_none() && notes[0].contains("a clear coat over glass is not supported"),
+        "{notes:?}"
+    );
+}
+
+#[test]
+fn what_is_not_supported_is_said_once_for_all_materials() {
+    let red = r#"{ "pbrMetallicRoughness": { "metallicFactor": 0 }, "extensions": { "KHR_materials_transmission": { "transmissionFactor": 0.1 } } }"#;
+    let named = |names: &[&str]| {
+        names.iter().map(|n| red.replacen('{', &format!(r#"{{ "name": "{n}","#), 1)).collect::<Vec<_>>().join(", ")
+    };
+    let notes = |names: &[&str]| {
+        loaded(&document(&format!(r#""nodes": [{{ "mesh": 0 }}], "materials": [{}]"#, named(names)))).notes
+    };
+    assert_eq!(
+        notes(&["a", "b"]),
+        ["material 'a' and 1 other: transmission of a part of the light is not supported and ignored"]
+    );
+    assert!(notes(&["a", "b", "c"])[0].starts_with("material 'a' and 2 others: "));
+    let sheen = document(PLAIN).replacen("\"asset\"", "\"extensionsUsed\": [\"KHR_materials_sheen\"], \"asset\"", 1);
+    assert!(loaded(&sheen).notes[0].ends_with("the extension KHR_materials_sheen is not supported and ignored"));
+    let variants =
+        r#""POSITION": 0, "TEXCOORD_0": 1 }, "extensions": { "KHR_materials_variants": { "mappings": [] } }"#;
+    let variants = document(PLAIN).replacen(r#""POSITION": 0, "TEXCOORD_0": 1 }"#, variants, 1);
+    assert!(loaded(&variants).notes[0].ends_with("of the variants of materials, the usual one is shown"));
+}
+
+#[test]
+fn a_mesh_stands_wherever_its_instances_are() {
+    let places = r#""nodes": [{ "mesh": 0, "translation": [10, 0, 0], "extensions": {
+        "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": 0, "SCALE": SCALED, "_ID": 2 } } } }], "materials": [{}]"#;
+    let scene = loaded(&document(&places.replace(r#", "SCALE": SCALED"#, ""))).scene;
+    assert_eq!((scene.triangles(), scene.stored_triangles()), (8, 2));
+    // At (0, 0), (1, 0), (1, 1) and (0, 1): a square of side 2.
+    for (x, y) in [(10.1, 0.1), (11.9, 0.1), (11.9, 1.9), (10.1, 1.9)] {
+        assert_eq!(scene.intersect(&ray(x, y, 1.0)).unwrap().distance, 1.0);
+    }
+    assert!(scene.intersect(&ray(9.9, 0.5, 1.0)).is_none());
+    let more = document(&places.replace("SCALED", "9"));
+    assert!(refusal(&more).ends_with("nodes[0]: EXT_mesh_gpu_instancing: accessors[9] is not there"));
+    let mixed = document(&places.replace("SCALED", "3"));
+    let last = r#""count": 6, "type": "SCALAR" }"#;
+    let three = r#", { "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3" }"#;
+    let mixed = mixed.replacen(last, &format!("{last}{three}"), 1);
+    assert!(refusal(&mixed).ends_with("its accessors do not hold equally many elements"));
+}
+
+#[test]
+fn compressed_geometry_is_refused_with_a_remedy() {
+    let needs = |name: &str| {
+        refusal(&document(PLAIN).replacen("\"asset\"", &format!("\"extensionsRequired\": [\"{name}\"], \"asset\""), 1))
+    };
+    assert_eq!(
+        needs("EXT_meshopt_compression"),
+        "a.gltf: needs the extension EXT_meshopt_compression, which is not supported; unpack it with \
+         gltfpack -i IN.glb -o OUT.glb -noq, or export it without compression"
+    );
+    assert!(needs("KHR_draco_mesh_compression").ends_with("open it in Blender and export it without compression"));
+    assert!(needs("KHR_texture_basisu").ends_with("export it with textures in PNG or JPEG"));
+    assert!(needs("X_y").ends_with("export it without"));
+    // A file that does not say that it needs it.
+    let draco = r#""POSITION": 0, "TEXCOORD_0": 1 }, "extensions": { "KHR_draco_mesh_compression": {} }"#;
+    let both = document(PLAIN).replacen(r#""POSITION": 0, "TEXCOORD_0": 1 }"#, draco, 1);
+    assert_eq!(loaded(&both).triangles, 2, "it is there uncompressed, too");
+    let only = both.replacen(r#"{ "bufferView": 0, "componentType": 5126"#, r#"{ "componentType": 5126"#, 1);
+    assert!(refusal(&only).starts_with("a.gltf: has geometry that only KHR_draco_mesh_compression holds"));
 }
 
 #[test]
@@ -304,7 +415,7 @@ fn textures_lie_where_the_file_lays_them() {
     let other = material(&painted.replace("INFO", r#", "texCoord": 1"#).replace("MORE", "")).1;
     assert_eq!(
         other,
-        ["material 'material 0': textures laid out by further texture coordinates not supported and ignored"]
+        ["material 'material 0': textures laid out by further texture coordinates are not supported and ignored"]
     );
 }
 

@@ -118,6 +118,21 @@ fn the_sky_may_be_a_map_that_is_turned_and_scaled() {
 }
 
 #[test]
+fn a_clear_coat_of_a_file_can_be_changed_and_taken_off() {
+    let changed = |table: &str| {
+        let folder = folder(&format!("{GEOMETRY}[material.wall]\n{table}\n"));
+        let library = fs::read_to_string(folder.path().join("a.mtl")).unwrap();
+        fs::write(folder.path().join("a.mtl"), library.replace("newmtl wall", "newmtl wall\nPc 0.7\nPcr 0.3")).unwrap();
+        let scene = load(&folder.path().join("scene.toml")).unwrap().scene;
+        let coat = scene.materials.iter().find(|m| m.name == "wall").unwrap().maps.clear_coat.clone();
+        coat.map(|coat| [coat.cover.factor, coat.roughness.factor])
+    };
+    assert_eq!(changed("roughness = 1"), Some([0.7, 0.3]));
+    assert_eq!(changed("clear_coat_roughness = 0.1"), Some([0.7, 0.1]));
+    assert_eq!(changed("clear_coat = 0"), None);
+}
+
+#[test]
 fn materials_are_changed_by_name() {
     let changed = |table: &str| {
         let scene = loaded(&format!("{GEOMETRY}[material.wall]\n{table}\n")).scene;
@@ -145,6 +160,9 @@ fn materials_are_changed_by_name() {
     for bare in ["roughness = 0.1\nspecular = 0", "roughness = 0.1\nior = 1"] {
         assert!(matches!(changed(bare).surface, Surface::Diffuse { .. }), "{bare}");
     }
+    let clear = changed("clear_coat = 0.5\nclear_coat_roughness = 0.2").maps.clear_coat.unwrap();
+    assert_eq!((clear.cover.factor, clear.roughness.factor), (0.5, 0.2));
+    assert!(changed("clear_coat_roughness = 0.2").maps.clear_coat.is_none());
     let coat = changed("roughness = 0.1\nspecular = 0.08").surface;
     assert!(
         matches!(coat, Surface::Coated { specular, diffuse, .. } if specular.factor == Vec3::splat(0.08) && diffuse.factor == base)

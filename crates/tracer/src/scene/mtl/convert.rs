@@ -235,6 +235,30 @@ mod tests {
     }
 
     #[test]
+    fn a_clear_coat_lies_over_what_is_no_glass() {
+        let coat = |statements| {
+            let coat = convert(statements).maps.clear_coat;
+            coat.map(|coat| [coat.cover.factor, coat.roughness.factor])
+        };
+        assert_eq!(coat("Pc .5\nPcr .2"), Some([0.5, 0.2]));
+        assert_eq!(coat("Pm 1\nPr .5\nPc 3"), Some([1.0, 0.0]));
+        assert_eq!([coat("Pc 0\nPcr .2"), coat("Pcr .2"), coat("illum 7\nPc 1")], [None; 3]);
+    }
+
+    #[test]
+    fn what_is_not_supported_is_said_unless_it_is_nothing() {
+        let notes = |statements: &str| {
+            let mut notes = Notes::default();
+            let folder = Path::new("");
+            let entries = parse(&format!("newmtl m\n{statements}"), Path::new("m.mtl")).unwrap();
+            entries[0].material(Some((&mut TextureFiles::new(folder), &mut notes)));
+            notes.into_lines()
+        };
+        assert_eq!(notes("Ps .5\naniso 1\nanisor 2").len(), 2);
+        assert!(notes("Ps 0.0\naniso 0\nanisor 2").is_empty());
+    }
+
+    #[test]
     fn mistakes_are_told_with_their_line() {
         let refused = parse("newmtl a\nKd 1 x 1\n", Path::new("m.mtl")).unwrap_err();
         assert_eq!(refused.to_string(), "m.mtl:2: expected Kd and three numbers, found '1 x 1'");

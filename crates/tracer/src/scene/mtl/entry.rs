@@ -34,6 +34,10 @@ pub(super) struct MtlEntry {
     pub(super) roughness: Option<f32>,
     /// `Pm`
     pub(super) metallic: Option<f32>,
+    /// `Pc`
+    pub(super) clear_coat: Option<f32>,
+    /// `Pcr`
+    pub(super) clear_coat_roughness: Option<f32>,
     /// `map_Kd`
     pub(super) diffuse_map: Option<TextureUse>,
     /// `map_Ks`
@@ -57,7 +61,10 @@ pub(super) struct MtlEntry {
 }
 
 /// Keys that would change the look but are not supported.
-const IGNORED: [&str; 3] = ["disp", "map_tr", "refl"];
+const IGNORED: [&str; 5] = ["disp", "map_tr", "refl", "map_ps", "map_pc"];
+
+/// The same of keys that exporters write with a zero for materials without.
+const UNLESS_ZERO: [&str; 2] = ["ps", "aniso"];
 
 impl MtlEntry {
     /// A material that says nothing but its name.
@@ -79,6 +86,8 @@ impl MtlEntry {
             "illum" => self.model = Some(value.number()?.max(0.0) as u32),
             "pr" => self.roughness = Some(value.number()?),
             "pm" => self.metallic = Some(value.number()?),
+            "pc" => self.clear_coat = Some(value.number()?),
+            "pcr" => self.clear_coat_roughness = Some(value.number()?),
             "map_kd" => self.diffuse_map = texture_line::parse(value.text),
             "map_ks" => self.specular_map = texture_line::parse(value.text),
             "map_ke" => self.emission_map = texture_line::parse(value.text),
@@ -88,7 +97,11 @@ impl MtlEntry {
             "map_pm" => self.metallic_map = texture_line::parse(value.text),
             "norm" | "map_norm" | "map_kn" => self.normal_map = texture_line::parse(value.text),
             "bump" | "map_bump" => self.bump_map = texture_line::parse(value.text),
-            other => self.ignored.extend(IGNORED.iter().find(|&&key| key == other)),
+            other => {
+                let ignored = IGNORED.iter().find(|&&key| key == other);
+                let ignored = ignored.or(UNLESS_ZERO.iter().find(|&&key| key == other && !value.is_zero()));
+                self.ignored.extend(ignored);
+            }
         }
         Ok(())
     }
@@ -103,6 +116,11 @@ struct Value<'a> {
 }
 
 impl Value<'_> {
+    /// Whether nothing but zeros is said.
+    fn is_zero(&self) -> bool {
+        self.text.split_whitespace().all(|word| word.parse() == Ok(0.0))
+    }
+
     /// The first number; exporters put all kinds of text behind it.
     fn number(&self) -> Result<f32, SceneError> {
         let number = self.text.split_whitespace().next().and_then(|word| word.parse().ok());

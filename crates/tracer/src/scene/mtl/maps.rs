@@ -7,7 +7,7 @@ use super::super::notes::Notes;
 use super::super::textures::{Channel, TextureFiles, TextureUse};
 use super::convert::alpha_of_phong;
 use super::entry::MtlEntry;
-use crate::material::{Grey, SurfaceMaps};
+use crate::material::{ClearCoat, Grey, SurfaceMaps};
 use crate::texture::{GreyTexture, Texture};
 
 impl MtlEntry {
@@ -31,6 +31,7 @@ impl MtlEntry {
         maps.normals = normals;
         maps.roughness = roughness.or(shininess);
         maps.metallic = self.metalness(metallic);
+        maps.clear_coat = self.clear_coat();
         maps
     }
 
@@ -62,6 +63,13 @@ impl MtlEntry {
     /// `d` of what is no glass. Zero is a habit of exporters, not a wish to see nothing.
     fn opacity_factor(&self) -> f32 {
         self.opacity.filter(|&d| d > 0.0 && !self.is_glass()).map_or(1.0, |d| d.min(1.0))
+    }
+
+    /// `Pc` and `Pcr`; none on glass, which has a surface like that already.
+    fn clear_coat(&self) -> Option<ClearCoat> {
+        let cover = self.clear_coat.filter(|&pc| pc > 0.0 && !self.is_glass())?;
+        let roughness = self.clear_coat_roughness.unwrap_or(0.0).clamp(0.0, 1.0);
+        Some(ClearCoat::even(cover.min(1.0), roughness))
     }
 
     /// `Pm`, times `map` where there is one; `None` where nothing or all of it is metal. A zero in front of a texture is a habit
