@@ -168,6 +168,19 @@ fn a_coat_mirrors_about_its_own_normal() {
     assert!(bsdf.evaluate(about).x > 1.0 && bsdf.evaluate(Vec3::Z).x < 1e-3);
 }
 
+/// Mirrored light that would come from below the surface is not lost.
+#[test]
+fn a_coat_turned_away_from_the_surface_is_not_black() {
+    let smooth = coated(&surfaces(1.0)[0], 1.0, 0.0);
+    for angle in 0..40 {
+        let (sin, cos) = (0.04 * angle as f32 - 0.8).sin_cos();
+        for outgoing in [towards(0.1), towards(0.5), Vec3::Z] {
+            let found = albedo(&seen(&smooth, [Vec3::Z, Vec3::new(sin, 0.0, cos)], outgoing));
+            assert!((found - 1.0).abs() < 0.02, "{angle} {outgoing}: {found}");
+        }
+    }
+}
+
 #[test]
 fn maps_say_where_a_coat_is() {
     let texture = std::sync::Arc::new(crate::texture::GreyTexture::new(1, 1, vec![0.5]));

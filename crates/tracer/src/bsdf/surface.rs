@@ -67,6 +67,7 @@ impl Bsdf {
             let cover = coat.cover.at(interaction.uv).clamp(0.0, 1.0);
             let own = side * interaction.coat_normal;
             let normal = if own.dot(outgoing) > 0.0 { own } else { geometric_normal };
+            let normal = clear_coat::lifted(normal, geometric_normal, outgoing);
             let below = albedo;
             albedo = albedo.lerp(Vec3::ONE, cover * clear_coat::REFLECTANCE);
             let alpha = coat.roughness.at(interaction.uv).powi(2);

@@ -7,10 +7,12 @@
 
 mod binary;
 mod buffers;
+mod instancing;
 mod materials;
 mod nodes;
 mod numbers;
 mod placed_textures;
+mod poses;
 mod primitives;
 
 use std::path::Path;
@@ -86,9 +88,9 @@ pub(super) fn read_gltf(path: &Path, notes: &mut Notes) -> Result<GltfFile, Scen
     let (mut materials, needs) = read_materials(&document, &buffers, folder, notes);
     let meshes = read_meshes(&document, &buffers, &needs, path, notes).map_err(refused)?;
     show_opacity_of_vertices(&meshes, &mut materials);
-    let mut stage = Stage::new(meshes.iter().map(|mesh| !mesh.triangles.is_empty()).collect());
-    stage.set(&document, &buffers, path, notes).map_err(refused)?;
-    let Stage { instances, cameras, delta_lights, .. } = stage;
+    let mut stage = Stage::new(meshes);
+    stage.set(&document, &buffers, &needs, path, notes).map_err(refused)?;
+    let Stage { meshes, instances, cameras, delta_lights } = stage;
     if instances.is_empty() {
         let vertices = meshes.iter().map(|mesh| mesh.positions.len()).sum();
         return Err(SceneError::NoFaces { path: path.into(), vertices });
@@ -190,8 +192,8 @@ fn note_unknown(root: &Root, path: &Path, notes: &mut Notes) {
     if primitives.filter_map(|one| one.extensions.as_ref()).any(|all| all.others.contains_key(VARIANTS)) {
         notes.add(format!("{}: of the variants of materials, the usual one is shown", path.display()));
     }
-    if !root.animations.is_empty() || !root.skins.is_empty() {
-        notes.add(format!("{}: animations and skins are ignored; everything stands as it is placed", path.display()));
+    if !root.animations.is_empty() {
+        notes.add(format!("{}: animations are ignored; everything stands as it is placed", path.display()));
     }
 }
 

@@ -2,16 +2,17 @@
 
 use std::path::Path;
 
-use glam::{DAffine3, DMat4, DQuat, DVec3, Vec3};
+use glam::{DAffine3, DMat4, DVec3, Vec3};
 use gltf::camera::Projection;
 use gltf::khr_lights_punctual::{Kind, Light};
 use gltf::{Camera, Node};
-use serde::Deserialize;
 
 use super::super::notes::Notes;
-use super::super::{Instance, Placement};
+use super::super::{Instance, Mesh, Placement};
 use super::buffers::Buffers;
-use super::numbers::vectors;
+use super::instancing::places_of;
+use super::materials::Needs;
+use super::poses::Poses;
 use crate::camera::CameraDescription;
 use crate::light::DeltaLight;
 
@@ -20,17 +21,17 @@ const SUN: f32 = 0.53 * std::f32::consts::PI / 180.0;
 
 /// What has been put in its place so far.
 pub(super) struct Stage {
+    /// Those of the file, and those that stand in a pose of their own.
+    pub(super) meshes: Vec<Mesh>,
     pub(super) instances: Vec<Instance>,
     pub(super) cameras: Vec<(Option<String>, CameraDescription)>,
     pub(super) delta_lights: Vec<DeltaLight>,
-    /// Whether a mesh has anything to see.
-    visible: Vec<bool>,
 }
 
 impl Stage {
-    /// An empty one for meshes of which some are `visible`.
-    pub(super) fn new(visible: Vec<bool>) -> Self {
-        Self { instances: Vec::new(), cameras: Vec::new(), delta_lights: Vec::new(), visible }
+    /// An empty one for the meshes of a file.
+    pub(super) fn new(meshes: Vec<Mesh>) -> Self {
+        Self { meshes, instances: Vec::new(), cameras: Vec::new(), delta_lights: Vec::new() }
     }
 
     /// Puts the scene of `document` that is to be shown, else its first, in its place.
@@ -41,36 +42,45 @@ impl Stage {
         &mut self,
         document: &gltf::Document,
         buffers: &Buffers,
+        needs: &[Needs],
         path: &Path,
         notes: &mut Notes,
     ) -> Result<(), String> {
         let scene = document.default_scene().or_else(|| document.scenes().next()).ok_or("has no scene")?;
-        let mut seen = vec![false; document.nodes().len()];
-        let mut left: Vec<(Node, DAffine3)> = scene.nodes().map(|node| (node, DAffine3::IDENTITY)).collect();
-        // In the file's order.
-        left.reverse();
-        while let Some((node, above)) = left.pop() {
-            if std::mem::replace(&mut seen[node.index()], true) {
-                return Err(format!("nodes[{}] stands in the scene twice, expected a tree", node.index()));
+        let nodes = standing(&scene, document.nodes().len())?;
+        let poses = Poses::new(document, buffers, needs, &nodes);
+        for (node, map) in &nodes {
+            let at = |reason: String| format!("nodes[{}]: {reason}", node.index());
+            if let Some(mesh) = node.mesh() {
+                let several = places_of(node, document, buffers)
+                    .map_err(|reason| at(format!("EXT_mesh_gpu_instancing: {reason}")))?;
+                let several = several.unwrap_or(vec![DAffine3::IDENTITY]);
+                let (mesh, places) = match poses.of(node, &mesh).map_err(at)? {
+                    None => (mesh.index(), several.iter().map(|within| *map * *within).collect()),
+                    Some(posed) => {
+                        self.meshes.push(posed.mesh);
+                        // A skin stands where its joints are, wherever its node is.
+                        let places = match posed.is_skinned {
+                            true => vec![DAffine3::IDENTITY],
+                            false => several.iter().map(|within| *map * *within).collect(),
+                        };
+                        (self.meshes.len() - 1, places)
+                    }
+                };
+                self.place_mesh(node, mesh, places, path, notes);
             }
-            let matrix = DMat4::from_cols_array_2d(&node.transform().matrix().map(|column| column.map(f64::from)));
-            let map = above * DAffine3::from_mat4(matrix);
-            let several = places_of(&node, document, buffers)
-                .map_err(|reason| format!("nodes[{}]: EXT_mesh_gpu_instancing: {reason}", node.index()))?;
-            self.place_mesh(&node, map, several.as_deref(), path, notes);
-            self.place_others(&node, map, path, notes);
-            let children: Vec<Node> = node.children().collect();
-            left.extend(children.into_iter().rev().map(|child| (child, map)));
+            self.place_others(node, *map, path, notes);
         }
         Ok(())
     }
-
-    /// The mesh of a node, at all places that it is put in there.
-    fn place_mesh(&mut self, node: &Node, map: DAffine3, several: Option<&[DAffine3]>, path: &Path, notes: &mut Notes) {
-        let Some(mesh) = node.mesh().filter(|mesh| self.visible[mesh.index()]) else { return };
-        for within in several.unwrap_or(&[DAffine3::IDENTITY]) {
-            match Placement::new(map * *within) {
-                Some(placement) => self.instances.push(Instance { mesh: mesh.index(), placement, motion: None }),
+    /// A node's mesh, which is number `mesh`, at all places that it is put in.
+    fn place_mesh(&mut self, node: &Node, mesh: usize, places: Vec<DAffine3>, path: &Path, notes: &mut Notes) {
+        if self.meshes[mesh].triangles.is_empty() {
+            return;
+        }
+        for place in places {
+            match Placement::new(place) {
+                Some(placement) => self.instances.push(Instance { mesh, placement, motion: None }),
                 None => {
                     let (path, node) = (path.display(), node.index());
                     notes.add(format!("{path}: nodes[{node}]: a mesh without extent left out"));
@@ -99,55 +109,26 @@ impl Stage {
     }
 }
 
-/// `EXT_mesh_gpu_instancing` of a node.
-#[derive(Deserialize)]
-struct WrittenPlaces {
-    attributes: WrittenAttributes,
-}
-
-/// Numbers of accessors; others than these say nothing about where meshes are.
-#[derive(Deserialize)]
-#[serde(rename_all = "UPPERCASE")]
-struct WrittenAttributes {
-    translation: Option<usize>,
-    rotation: Option<usize>,
-    scale: Option<usize>,
-}
-
-/// Where within a node its mesh stands, when that is several times.
+/// All nodes of `scene`, of `count` in the file and in its order, with the maps from their space to the scene's.
 ///
 /// # Errors
-/// In words, when numbers are not there.
-fn places_of(node: &Node, document: &gltf::Document, buffers: &Buffers) -> Result<Option<Vec<DAffine3>>, String> {
-    let Some(written) = node.extension_value("EXT_mesh_gpu_instancing") else { return Ok(None) };
-    let WrittenPlaces { attributes } = WrittenPlaces::deserialize(written).map_err(|why| why.to_string())?;
-    let accessor = |number: usize| {
-        let there = document.accessors().nth(number);
-        there.ok_or_else(|| format!("accessors[{number}] is not there"))
-    };
-    let three = |number: Option<usize>| number.map(|number| vectors::<3>(&accessor(number)?, buffers)).transpose();
-    let translations = three(attributes.translation)?;
-    let scales = three(attributes.scale)?;
-    let rotations = attributes.rotation.map(|number| vectors::<4>(&accessor(number)?, buffers)).transpose()?;
-    let counts = [translations.as_ref().map(Vec::len), scales.as_ref().map(Vec::len), rotations.as_ref().map(Vec::len)];
-    let mut counts = counts.into_iter().flatten();
-    let Some(count) = counts.next() else { return Ok(None) };
-    if counts.any(|other| other != count) {
-        return Err("its accessors do not hold equally many elements".into());
+/// In words, when a node stands below several others or itself.
+fn standing<'a>(scene: &gltf::Scene<'a>, count: usize) -> Result<Vec<(Node<'a>, DAffine3)>, String> {
+    let mut seen = vec![false; count];
+    let mut left: Vec<(Node, DAffine3)> = scene.nodes().map(|node| (node, DAffine3::IDENTITY)).collect();
+    left.reverse();
+    let mut all = Vec::new();
+    while let Some((node, above)) = left.pop() {
+        if std::mem::replace(&mut seen[node.index()], true) {
+            return Err(format!("nodes[{}] stands in the scene twice, expected a tree", node.index()));
+        }
+        let matrix = DMat4::from_cols_array_2d(&node.transform().matrix().map(|column| column.map(f64::from)));
+        let map = above * DAffine3::from_mat4(matrix);
+        let children: Vec<Node> = node.children().collect();
+        left.extend(children.into_iter().rev().map(|child| (child, map)));
+        all.push((node, map));
     }
-    let place = |i: usize| {
-        let translation = translations.as_ref().map_or(DVec3::ZERO, |all| Vec3::from(all[i]).as_dvec3());
-        let scale = scales.as_ref().map_or(DVec3::ONE, |all| Vec3::from(all[i]).as_dvec3());
-        let rotation = rotations.as_ref().map_or(DQuat::IDENTITY, |all| DQuat::from_array(all[i].map(f64::from)));
-        DAffine3::from_scale_rotation_translation(scale, unit(rotation), translation)
-    };
-    Ok(Some((0..count).map(place).collect()))
-}
-
-/// Of length 1; no turn where there is none to be told.
-fn unit(rotation: DQuat) -> DQuat {
-    let length = rotation.length();
-    if length > 0.0 && length.is_finite() { rotation / length } else { DQuat::IDENTITY }
+    Ok(all)
 }
 
 /// The direction and the place to which `map` moves -z and the origin.

@@ -36,6 +36,19 @@ fn numbers<const N: usize>(accessor: &Accessor, buffers: &Buffers, normalised: b
     elements(accessor, buffers, [0.0; N], |bytes| std::array::from_fn(|i| number(&bytes[i * size..], kind, normalised)))
 }
 
+/// The elements of `accessor`, of `N` whole numbers each.
+///
+/// # Errors
+/// As [`vectors`].
+pub(super) fn whole_vectors<const N: usize>(accessor: &Accessor, buffers: &Buffers) -> Result<Vec<[u32; N]>, String> {
+    let (kind, found) = (accessor.data_type(), accessor.dimensions().multiplicity());
+    if found != N || !matches!(kind, DataType::U8 | DataType::U16 | DataType::U32) {
+        return Err(format!("accessors[{}] does not hold {N} whole numbers for each element", accessor.index()));
+    }
+    let size = kind.size();
+    elements(accessor, buffers, [0; N], |bytes| std::array::from_fn(|i| whole(&bytes[i * size..], size)))
+}
+
 /// The elements of `accessor`, which are single whole numbers.
 ///
 /// # Errors

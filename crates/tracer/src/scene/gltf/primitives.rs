@@ -14,6 +14,7 @@ use super::super::notes::Notes;
 use super::buffers::Buffers;
 use super::materials::Needs;
 use super::numbers::{indices, shares, vectors};
+use super::poses::Pose;
 
 /// The meshes of `document`, each with all its primitives. `needs` tells what each material has to be told; the last two are
 /// for primitives that have none, with colours of vertices and without.
@@ -27,51 +28,59 @@ pub(super) fn read_meshes(
     path: &Path,
     notes: &mut Notes,
 ) -> Result<Vec<Mesh>, String> {
-    let mut skipped = 0;
-    let mut masked = false;
-    let mut meshes = Vec::with_capacity(document.meshes().len());
-    for mesh in document.meshes() {
-        let mut whole = Mesh::default();
-        for primitive in mesh.primitives() {
-            let place =
-                |reason: String| format!("meshes[{}].primitives[{}]: {reason}", mesh.index(), primitive.index());
-            match read_primitive(&primitive, buffers, needs).map_err(place)? {
-                Some(mut part) => {
-                    masked |= take_opacity(&mut part, needs);
-                    whole.append(part);
-                }
-                None => skipped += 1,
-            }
-        }
-        meshes.push(whole);
-    }
+    let primitives = || document.meshes().flat_map(|mesh| mesh.primitives());
+    let skipped = primitives().filter(|primitive| !is_seen(primitive)).count();
     if skipped > 0 {
         notes.add(format!("{}: {skipped} primitives of points, lines or without positions left out", path.display()));
     }
-    if masked {
+    let masked = |primitive: &Primitive| {
+        let is_masked = primitive.material().alpha_mode() == AlphaMode::Mask;
+        is_masked && primitive.get(&Semantic::Colors(0)).is_some_and(|c| c.dimensions() == Dimensions::Vec4)
+    };
+    if primitives().any(|primitive| masked(&primitive)) {
         notes.add(format!("{}: opacity of vertices of a masked material is not supported and ignored", path.display()));
     }
-    Ok(meshes)
+    let as_it_is = |mesh: gltf::Mesh| {
+        read_mesh(&mesh, buffers, needs, &Pose { weights: mesh.weights().unwrap_or_default().to_vec(), joints: None })
+    };
+    document.meshes().map(as_it_is).collect()
 }
 
-/// The triangles of a primitive; `None` when it has none to see.
-fn read_primitive(primitive: &Primitive, buffers: &Buffers, needs: &[Needs]) -> Result<Option<Mesh>, String> {
-    if !matches!(primitive.mode(), Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
-        return Ok(None);
+/// A mesh in the pose `pose`.
+///
+/// # Errors
+/// As [`read_meshes`].
+pub(super) fn read_mesh(mesh: &gltf::Mesh, buffers: &Buffers, needs: &[Needs], pose: &Pose) -> Result<Mesh, String> {
+    let mut whole = Mesh::default();
+    for primitive in mesh.primitives().filter(is_seen) {
+        let place = |reason: String| format!("meshes[{}].primitives[{}]: {reason}", mesh.index(), primitive.index());
+        whole.append(read_primitive(&primitive, buffers, needs, pose).map_err(place)?);
     }
-    let Some(positions) = primitive.get(&Semantic::Positions) else { return Ok(None) };
-    let positions: Vec<Vec3> = vectors::<3>(&positions, buffers)?.into_iter().map(Vec3::from).collect();
+    Ok(whole)
+}
+
+/// Whether there is anything to see of a primitive.
+fn is_seen(primitive: &Primitive) -> bool {
+    let has_faces = matches!(primitive.mode(), Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan);
+    has_faces && primitive.get(&Semantic::Positions).is_some()
+}
+
+/// The triangles of a primitive; none where it has no positions.
+fn read_primitive(primitive: &Primitive, buffers: &Buffers, needs: &[Needs], pose: &Pose) -> Result<Mesh, String> {
+    let Some(positions) = primitive.get(&Semantic::Positions) else { return Ok(Mesh::default()) };
+    let mut positions: Vec<Vec3> = vectors::<3>(&positions, buffers)?.into_iter().map(Vec3::from).collect();
     let colours = match primitive.get(&Semantic::Colors(0)) {
         Some(colours) => read_colours(&colours, buffers)?,
         None => Vec::new(),
     };
     let default = needs.len() - if colours.is_empty() { 1 } else { 2 };
     let material = primitive.material().index().unwrap_or(default);
-    let as_many = |what: &str, count: usize| match count == positions.len() {
+    let vertices = positions.len();
+    let as_many = |what: &str, count: usize| match count == vertices {
         true => Ok(()),
-        false => Err(format!("{count} {what}s for {} positions", positions.len())),
+        false => Err(format!("{count} {what}s for {vertices} positions")),
     };
-    let normals: Vec<Vec3> = match primitive.get(&Semantic::Normals) {
+    let mut normals: Vec<Vec3> = match primitive.get(&Semantic::Normals) {
         Some(normals) => {
             vectors::<3>(&normals, buffers)?.into_iter().map(|n| Vec3::from(n).normalize_or_zero()).collect()
         }
@@ -80,6 +89,7 @@ fn read_primitive(primitive: &Primitive, buffers: &Buffers, needs: &[Needs]) -> 
     if !normals.is_empty() {
         as_many("normal", normals.len())?;
     }
+    pose.take(primitive, buffers, &mut positions, &mut normals)?;
     let uvs: Vec<Vec2> = match primitive.get(&Semantic::TexCoords(needs[material].set)) {
         // From the top left corner of the image to the bottom left one.
         Some(uvs) => vectors::<2>(&uvs, buffers)?.into_iter().map(|[u, v]| Vec2::new(u, 1.0 - v)).collect(),
@@ -100,7 +110,12 @@ fn read_primitive(primitive: &Primitive, buffers: &Buffers, needs: &[Needs]) -> 
     }
     let triangles = triangles(&corners, primitive.mode());
     let materials = vec![material as u32; triangles.len()];
-    Ok(Some(Mesh { positions, normals, uvs, colours, triangles, materials }))
+    let mut mesh = Mesh { positions, normals, uvs, colours, triangles, materials };
+    if needs[material].alpha != AlphaMode::Blend {
+        // Nobody asks for it.
+        mesh.colours.iter_mut().for_each(|colour| colour.w = 1.0);
+    }
+    Ok(mesh)
 }
 
 /// Linear colours, with opacity or without; what is no share of light is taken for the nearest that is.
@@ -111,17 +126,6 @@ fn read_colours(accessor: &Accessor, buffers: &Buffers) -> Result<Vec<Vec4>, Str
     };
     let sound = |c: f32| if c.is_nan() { 1.0 } else { c.clamp(0.0, 1.0) };
     Ok(colours.into_iter().map(|colour| Vec4::from(colour.to_array().map(sound))).collect())
-}
-
-/// Takes opacity from vertices whose material has no use for it. Whether any of it would have been seen.
-fn take_opacity(part: &mut Mesh, needs: &[Needs]) -> bool {
-    let Some(alpha) = part.materials.first().map(|material| needs[*material as usize].alpha) else { return false };
-    if alpha == AlphaMode::Blend {
-        return false;
-    }
-    let had_some = part.colours.iter().any(|colour| colour.w < 1.0);
-    part.colours.iter_mut().for_each(|colour| colour.w = 1.0);
-    alpha == AlphaMode::Mask && had_some
 }
 
 /// Triangles in a list of corners.

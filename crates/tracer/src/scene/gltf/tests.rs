@@ -5,7 +5,7 @@ use std::path::Path;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use glam::{Mat2, Vec2, Vec3, Vec4};
+use glam::{DMat3, DVec3, Mat2, Vec2, Vec3, Vec4};
 use tempfile::TempDir;
 
 use super::super::{Loaded, load};
@@ -353,6 +353,64 @@ fn a_mesh_stands_wherever_its_instances_are() {
     let three = r#", { "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3" }"#;
     let mixed = mixed.replacen(last, &format!("{last}{three}"), 1);
     assert!(refusal(&mixed).ends_with("its accessors do not hold equally many elements"));
+}
+
+#[test]
+fn a_skin_hangs_on_its_joints() {
+    // The lower edge hangs on the first joint, the upper one on the second.
+    let (of_joints, weights) =
+        ([0_u8, 1, 0, 0].repeat(4), [[255_u8, 0, 0, 0].repeat(2), [0, 255, 0, 0].repeat(2)].concat());
+    let data = STANDARD.encode([of_joints, weights].concat());
+    let nodes = r#""nodes": [{ "mesh": 0, "skin": 0, "translation": [100, 0, 0], "children": [1] }, { "children": [2] },
+        { "translation": [-100, 0, 1] }], "skins": [{ "joints": [1, 2] }], "materials": [{}]"#;
+    let json = document(nodes)
+        .replacen("\"byteLength\": 70 }", &format!("\"byteLength\": 70 }}, {{ \"uri\": \"data:;base64,{data}\", \"byteLength\": 32 }}"), 1)
+        .replacen(r#""byteLength": 6 }"#, r#""byteLength": 6 }, { "buffer": 1, "byteLength": 16 }, { "buffer": 1, "byteOffset": 16, "byteLength": 16 }"#, 1)
+        .replacen(
+            r#""count": 6, "type": "SCALAR" }"#,
+            r#""count": 6, "type": "SCALAR" }, { "bufferView": 3, "componentType": 5121, "count": 4, "type": "VEC4" },
+            { "bufferView": 4, "componentType": 5121, "normalized": true, "count": 4, "type": "VEC4" }"#,
+            1,
+        )
+        .replacen(r#""POSITION": 0"#, r#""POSITION": 0, "JOINTS_0": 3, "WEIGHTS_0": 4, "NORMAL": 0"#, 1);
+    let found = loaded(&json);
+    let mesh = &found.scene.meshes[0].mesh;
+    // The first joint is where the node of the mesh is, 100 to the right; the second is back, and above.
+    let expected =
+        [Vec3::new(100.0, 0.0, 0.0), Vec3::new(101.0, 0.0, 0.0), Vec3::new(1.0, 1.0, 1.0), Vec3::new(0.0, 1.0, 1.0)];
+    assert_eq!(mesh.positions, expected);
+    assert!((mesh.normals[2] - Vec3::new(1.0, 1.0, 0.0).normalize()).length() < 1e-6);
+    assert!(found.notes.is_empty(), "{:?}", found.notes);
+    let few = json.replace(r#""joints": [1, 2]"#, r#""joints": [1]"#);
+    assert!(refusal(&few).ends_with("a vertex hangs on joint 1, of 1"));
+    let away = json.replace(r#", "children": [1] }"#, " }");
+    assert!(refusal(&away).ends_with("nodes[0]: skins[0] hangs on nodes[1], which is not in the scene"));
+}
+
+#[test]
+fn a_skin_turns_its_normals_with_its_joints() {
+    let turned = super::poses::turned(DVec3::new(0.6, 0.8, 0.0), DMat3::from_diagonal(DVec3::new(2.0, 1.0, 1.0)));
+    assert!((turned - DVec3::new(0.3, 0.8, 0.0).normalize()).length() < 1e-12);
+    let quarter = DMat3::from_rotation_z(std::f64::consts::FRAC_PI_2);
+    assert!((super::poses::turned(DVec3::X, quarter) - DVec3::Y).length() < 1e-12);
+}
+
+#[test]
+fn morph_targets_count_by_their_weights() {
+    let with = |of_mesh: &str, of_node: &str| {
+        let json = document(&format!(
+            r#""nodes": [{{ "children": [1, 2] }}, {{ "mesh": 0 {of_node} }}, {{ "mesh": 0, "translation": [0, 9, 0] }}], "materials": [{{}}]"#
+        ));
+        let json = json.replacen(r#""material": 0 }"#, r#""material": 0, "targets": [{ "POSITION": 0 }] }"#, 1);
+        let json = json.replacen(r#""primitives": ["#, &format!(r#"{of_mesh} "primitives": ["#), 1);
+        let scene = loaded(&json).scene;
+        // How far the squares reach.
+        [0.5, 9.5]
+            .map(|y| (0..40).take_while(|x| scene.intersect(&ray(0.05 + 0.1 * *x as f32, y, 1.0)).is_some()).count())
+    };
+    assert_eq!(with("", ""), [10, 10]);
+    assert_eq!(with(r#""weights": [0.5],"#, ""), [15, 15]);
+    assert_eq!(with(r#""weights": [0.5],"#, r#", "weights": [2]"#), [30, 15]);
 }
 
 #[test]
