@@ -50,6 +50,9 @@ def render_with_cycles(file, picture, eye, target, size, spp):
     scene.collection.objects.link(seen)
     seen.location, seen.rotation_euler = eye, (target - eye).to_track_quat("-Z", "Y").to_euler()
     camera.sensor_fit, camera.sensor_height = "VERTICAL", 24
+    # As Tamis, whatever the units.
+    distance = (target - eye).length
+    camera.clip_start, camera.clip_end = distance / 1000, distance * 1000
     camera.lens = 12 / math.tan(math.radians(FOV / 2))
     scene.camera = seen
     scene.render.engine = "CYCLES"
