@@ -123,7 +123,10 @@ fn a_coat_that_covers_nothing_is_none() {
 fn glass_takes_no_clear_coat() {
     let glass = Surface::Glass { ior: 1.5, transmittance: constant(1.0), alpha: 0.0 };
     let glass = coated(&Material::new("glass", glass, Vec3::ZERO), 1.0, 0.0);
-    assert!(seen(&glass, [Vec3::Z; 2], Vec3::Z).is_specular() && super::may_be_specular(&glass));
+    let pane = seen(&glass, [Vec3::Z; 2], Vec3::Z);
+    assert!(pane.is_specular() && super::may_be_specular(&glass));
+    assert!(pane.sample_direction(0.01, Vec2::ZERO).unwrap().pdf.is_none() && pane.albedo() == Vec3::ONE);
+    assert_eq!(pane.evaluate(Vec3::Z), Vec3::ZERO);
     let mirror = coated(&surfaces(1.0)[1], 1.0, 0.0);
     assert!(!seen(&mirror, [Vec3::Z; 2], Vec3::Z).is_specular() && !super::may_be_specular(&mirror));
 }

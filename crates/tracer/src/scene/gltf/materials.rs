@@ -25,8 +25,8 @@ pub(super) struct Needs {
     pub(super) alpha: AlphaMode,
 }
 
-/// The materials of `document`, and what meshes have to know of each. The last two are for primitives that have none: one for
-/// those whose vertices have colours, one for others. Textures that are not there are left out and noted.
+/// The materials of `document`, and what meshes have to know of each. The last two are for primitives that have none: first for
+/// those whose vertices have no colours, then for those whose have. Textures that are not there are left out and noted.
 pub(super) fn read_materials(
     document: &gltf::Document,
     buffers: &Buffers,
@@ -43,7 +43,7 @@ pub(super) fn read_materials(
     }
     reader.note_ignored();
     // What the specification gives them is rough white metal; viewers and their users know dull grey.
-    for reflectance in [1.0, 0.5] {
+    for reflectance in [0.5, 1.0] {
         let dull = Surface::Diffuse { reflectance: Colour::constant(Vec3::splat(reflectance)) };
         materials.push(Material::new("no material", dull, Vec3::ZERO));
         needs.push(Needs { set: 0, alpha: AlphaMode::Opaque });
@@ -74,6 +74,29 @@ struct WrittenClearCoat {
     clearcoat_normal_texture: Option<json::material::NormalTexture>,
 }
 
+/// `KHR_materials_pbrSpecularGlossiness` of a material.
+#[derive(Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+struct WrittenGlossiness {
+    diffuse_factor: [f32; 4],
+    diffuse_texture: Option<json::texture::Info>,
+    specular_factor: [f32; 3],
+    glossiness_factor: f32,
+    specular_glossiness_texture: Option<json::texture::Info>,
+}
+
+impl Default for WrittenGlossiness {
+    fn default() -> Self {
+        Self {
+            diffuse_factor: [1.0; 4],
+            diffuse_texture: None,
+            specular_factor: [1.0; 3],
+            glossiness_factor: 1.0,
+            specular_glossiness_texture: None,
+        }
+    }
+}
+
 struct Reader<'a> {
     document: &'a gltf::Document,
     buffers: &'a Buffers,
@@ -92,13 +115,16 @@ struct One<'a> {
 
 impl Reader<'_> {
     fn material(&mut self, one: One) -> Material {
+        if let Some(written) = self.glossiness(&one) {
+            return self.glossy_material(one, &written);
+        }
         let pbr = one.material.pbr_metallic_roughness();
-        let [red, green, blue, _] = pbr.base_color_factor();
+        let [red, green, blue, alpha] = pbr.base_color_factor();
         let base_texture = pbr.base_color_texture().map(|info| PlacedTexture::of(&info));
-        let base = self.colour(&one, Vec3::new(red, green, blue), base_texture);
+        let base = self.colour(&one, Vec3::new(red, green, blue), base_texture.clone());
         let emission = self.emission(&one);
         let mut maps = SurfaceMaps::default();
-        maps.opacity = self.opacity(&one);
+        maps.opacity = self.opacity(&one, alpha, base_texture);
         maps.normals = self.normals(&one);
         if one.material.unlit() {
             let black = Surface::Diffuse { reflectance: Colour::constant(Vec3::ZERO) };
@@ -126,6 +152,45 @@ impl Reader<'_> {
             self.ignore(&one, "a clear coat over glass is");
         }
         Material { name: one.name, surface, emission, maps }
+    }
+
+    /// `KHR_materials_pbrSpecularGlossiness`, which older files have in place of metal and roughness.
+    fn glossiness(&mut self, one: &One) -> Option<WrittenGlossiness> {
+        let written = one.material.extension_value("KHR_materials_pbrSpecularGlossiness")?;
+        self.found(one, |_| {
+            WrittenGlossiness::deserialize(written).map_err(|why| format!("KHR_materials_pbrSpecularGlossiness: {why}"))
+        })
+    }
+
+    fn glossy_material(&mut self, one: One, written: &WrittenGlossiness) -> Material {
+        let document = self.document;
+        let mut placed = |info: &Option<json::texture::Info>| {
+            let info = info.as_ref()?;
+            self.found(&one, |_| PlacedTexture::of_extension(info, document))
+        };
+        let (diffuse, specular) = (placed(&written.diffuse_texture), placed(&written.specular_glossiness_texture));
+        let [red, green, blue, alpha] = written.diffuse_factor;
+        let base = self.colour(&one, Vec3::new(red, green, blue), diffuse.clone());
+        let coat = self.colour(&one, Vec3::from(written.specular_factor), specular.clone());
+        let mut maps = SurfaceMaps::default();
+        maps.opacity = self.opacity(&one, alpha, diffuse);
+        maps.normals = self.normals(&one);
+        let gloss = written.glossiness_factor.clamp(0.0, 1.0);
+        let texture = specular.and_then(|placed| self.place(&one, &placed));
+        maps.roughness =
+            texture.and_then(|texture| self.found(&one, |files| files.roughness_of_gloss(&texture, gloss)));
+        let roughness = if maps.roughness.is_some() { 1.0 } else { 1.0 - gloss };
+        let look = Look {
+            base,
+            coat: Some(coat),
+            alpha: Some(roughness * roughness),
+            metal: false,
+            transmission: 0.0,
+            thin: false,
+            ior: 1.5,
+        };
+        let emission = self.emission(&one);
+        Material { name: one.name, surface: look.surface(false), emission, maps }
     }
 
     fn look(&mut self, one: &One, base: Colour, metal: bool, alpha: f32) -> Look {
@@ -209,15 +274,12 @@ impl Reader<'_> {
     }
 
     /// `None` where all of it is there.
-    fn opacity(&mut self, one: &One) -> Option<Grey> {
-        let pbr = one.material.pbr_metallic_roughness();
-        let [.., factor] = pbr.base_color_factor();
+    fn opacity(&mut self, one: &One, factor: f32, placed: Option<PlacedTexture>) -> Option<Grey> {
         let cutoff = match one.material.alpha_mode() {
             AlphaMode::Opaque => return None,
             AlphaMode::Blend => None,
             AlphaMode::Mask => Some(one.material.alpha_cutoff().unwrap_or(0.5)),
         };
-        let placed = pbr.base_color_texture().map(|info| PlacedTexture::of(&info));
         let texture = placed.and_then(|placed| self.place(one, &placed));
         // The factor in front of a mask is part of what is compared.
         let texture = texture.and_then(|texture| {

@@ -48,12 +48,13 @@ pub(super) struct GltfFile {
 }
 
 /// Extensions that are heeded, or that say nothing about what is rendered here.
-const KNOWN: [&str; 13] = [
+const KNOWN: [&str; 14] = [
     "EXT_mesh_gpu_instancing",
     "KHR_lights_punctual",
     "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
@@ -88,6 +89,9 @@ pub(super) fn read_gltf(path: &Path, notes: &mut Notes) -> Result<GltfFile, Scen
     let (mut materials, needs) = read_materials(&document, &buffers, folder, notes);
     let meshes = read_meshes(&document, &buffers, &needs, path, notes).map_err(refused)?;
     show_opacity_of_vertices(&meshes, &mut materials);
+    // Those for primitives without, where there are none.
+    let used = meshes.iter().flat_map(|mesh| &mesh.materials).map(|m| *m as usize + 1).max().unwrap_or(0);
+    materials.truncate(used.max(document.materials().len()));
     let mut stage = Stage::new(meshes);
     stage.set(&document, &buffers, &needs, path, notes).map_err(refused)?;
     let Stage { meshes, instances, cameras, delta_lights } = stage;

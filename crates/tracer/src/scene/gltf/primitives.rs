@@ -17,7 +17,7 @@ use super::numbers::{indices, shares, vectors};
 use super::poses::Pose;
 
 /// The meshes of `document`, each with all its primitives. `needs` tells what each material has to be told; the last two are
-/// for primitives that have none, with colours of vertices and without.
+/// for primitives that have none, without colours of vertices and with.
 ///
 /// # Errors
 /// In words, when numbers are not there or corners are vertices that are not.
@@ -73,7 +73,7 @@ fn read_primitive(primitive: &Primitive, buffers: &Buffers, needs: &[Needs], pos
         Some(colours) => read_colours(&colours, buffers)?,
         None => Vec::new(),
     };
-    let default = needs.len() - if colours.is_empty() { 1 } else { 2 };
+    let default = needs.len() - if colours.is_empty() { 2 } else { 1 };
     let material = primitive.material().index().unwrap_or(default);
     let vertices = positions.len();
     let as_many = |what: &str, count: usize| match count == vertices {

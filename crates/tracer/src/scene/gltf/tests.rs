@@ -314,6 +314,39 @@ fn clear_coats_lie_over_materials() {
 }
 
 #[test]
+fn older_files_say_gloss_in_place_of_roughness() {
+    let glossy = |gloss: &str| {
+        material(&format!(
+            r#"{{ "alphaMode": "BLEND", "extensions": {{ "KHR_materials_pbrSpecularGlossiness": {gloss} }} }}"#
+        ))
+    };
+    let (plain, notes) = glossy(
+        r#"{ "diffuseFactor": [0.5, 0.25, 0, 0.75], "specularFactor": [0.1, 0.2, 0.3], "glossinessFactor": 0.5 }"#,
+    );
+    assert!(notes.is_empty() && plain.maps.opacity.unwrap().factor == 0.75, "{notes:?}");
+    let Surface::Coated { diffuse, specular, alpha: 0.25 } = &plain.surface else { panic!("{:?}", plain.surface) };
+    assert!(is(diffuse, [0.5, 0.25, 0.0]) && is(specular, [0.1, 0.2, 0.3]));
+    let mapped = glossy(
+        r#"{ "diffuseTexture": { "index": 0 }, "specularGlossinessTexture": { "index": 0 }, "glossinessFactor": 0.5 }"#,
+    );
+    let mapped = mapped.0;
+    let Surface::Coated { diffuse, specular, alpha: 1.0 } = &mapped.surface else { panic!("{:?}", mapped.surface) };
+    let [left, right] = [0.25, 0.75].map(|x| Vec2::new(x, 0.5));
+    assert_eq!([diffuse.at(left), specular.at(right)], [Vec3::X, Vec3::ZERO]);
+    let roughness = mapped.maps.roughness.unwrap();
+    assert!((roughness.lookup(left) - 0.5).abs() < 1e-6 && (roughness.lookup(right) - 0.9).abs() < 1e-6);
+    assert!((mapped.maps.opacity.unwrap().at(right) - 0.2).abs() < 1e-6);
+}
+
+#[test]
+fn materials_for_what_has_none_are_there_where_they_are_needed() {
+    let count = |json: &str| loaded(json).scene.materials.len();
+    assert_eq!(count(&document(PLAIN)), 1);
+    let bare = document(PLAIN).replace(r#", "material": 0"#, "");
+    assert_eq!(count(&bare), 2);
+}
+
+#[test]
 fn what_is_not_supported_is_said_once_for_all_materials() {
     let red = r#"{ "pbrMetallicRoughness": { "metallicFactor": 0 }, "extensions": { "KHR_materials_transmission": { "transmissionFactor": 0.1 } } }"#;
     let named = |names: &[&str]| {

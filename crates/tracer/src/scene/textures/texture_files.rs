@@ -75,6 +75,8 @@ enum Numbers {
     Alpha(Option<u32>),
     /// As shares of the Phong exponent in these bits; the numbers are its roughness over that of the whole exponent.
     Exponents(Channel, u32),
+    /// Alpha as shares of the gloss in these bits; the numbers are the roughness.
+    Gloss(u32),
 }
 
 impl<'a> TextureFiles<'a> {
@@ -161,6 +163,21 @@ impl<'a> TextureFiles<'a> {
             let (size, pixels) = plain_rgba(image);
             let there = |alpha: f32| cutoff.map_or(alpha, |cutoff| if alpha >= cutoff { 1.0 } else { 0.0 });
             Ok((size, pixels.into_iter().map(|[.., alpha]| there(alpha)).collect()))
+        })
+    }
+
+    /// Of an image whose alpha, 1 where it has none, is a share of the gloss `gloss`, the roughness, which is what is left to 1.
+    ///
+    /// # Errors
+    /// In words, why there is none.
+    pub(in super::super) fn roughness_of_gloss(
+        &mut self,
+        texture: &TextureUse,
+        gloss: f32,
+    ) -> Result<Arc<GreyTexture>, String> {
+        made(&mut self.images, texture, Numbers::Gloss(gloss.to_bits()), &mut self.greys, |image| {
+            let (size, pixels) = plain_rgba(image);
+            Ok((size, pixels.into_iter().map(|[.., alpha]| 1.0 - gloss * alpha).collect()))
         })
     }
 
