@@ -24,9 +24,13 @@ import sys
 import tempfile
 import time
 
-import numpy as np
-from both_renderers import View, mi, mitsuba_scene, read_obj
-from embreex import mesh_construction, rtcore_scene
+from packages import need
+
+need(__doc__, "numpy", "OpenEXR", "PIL", "mitsuba", "embreex")
+
+import numpy as np  # noqa: E402
+from both_renderers import View, mi, mitsuba_scene, read_obj  # noqa: E402
+from embreex import mesh_construction, rtcore_scene  # noqa: E402
 
 HERE = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 RAYS = 10_000

@@ -24,8 +24,12 @@ import math
 import os
 import sys
 
-import numpy as np
-from both_renderers import (
+from packages import need
+
+need(__doc__, "numpy", "OpenEXR", "PIL", "mitsuba")
+
+import numpy as np  # noqa: E402
+from both_renderers import (  # noqa: E402
     View,
     mean_and_error,
     render_with_mitsuba,

@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 """Renders a small scene with Mitsuba 3 and with Blender's Cycles, denoises it with `tamis`, and prints the errors.
 
-    pip install mitsuba numpy openexr bpy     (tried with Mitsuba 3.9.1 and Blender 5.0.1; bpy wants one Python version)
+    pip install mitsuba bpy     (tried with Mitsuba 3.9.1 and Blender 5.0.1; bpy wants one Python version)
     cargo build
     python scripts/denoise_fresh_renders.py -o DIR [--renderer mitsuba] [--tamis target/debug/tamis]
+
+Where the two packages do not share an environment, run it in each with its `--renderer`: the rows are those of one table.
 
 For each renderer DIR gets one stack with features as that renderer writes them (NAME.exr), the same samples as two
 independent renders of half as many (NAME-a.exr, NAME-b.exr), and two references. The table has the noisy picture, what
@@ -17,7 +19,10 @@ import os
 import subprocess
 import sys
 
+from packages import need
+
 RENDERERS = ["mitsuba", "cycles"]
+MODULES = {"mitsuba": "mitsuba", "cycles": "bpy"}
 REFERENCES = [101, 102]  # seeds
 
 
@@ -155,8 +160,9 @@ def parse_options():
 
 def main():
     options = parse_options()
-    os.makedirs(options.output, exist_ok=True)
     chosen = options.renderer or RENDERERS
+    need(__doc__, *[MODULES[name] for name in chosen])
+    os.makedirs(options.output, exist_ok=True)
     if options.only_render:  # in a process of its own: the two libraries do not get on
         [name] = chosen
         jobs = jobs_of(files_of(name, options.output), options.spp, options.reference_spp)

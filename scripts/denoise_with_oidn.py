@@ -25,9 +25,13 @@ import os
 import sys
 import time
 
-import numpy as np
-import OpenEXR
-import pyoidn
+from packages import need
+
+need(__doc__, "numpy", "OpenEXR", "pyoidn")
+
+import numpy as np  # noqa: E402
+import OpenEXR  # noqa: E402
+import pyoidn  # noqa: E402
 
 # Layers that hold a feature, the first that is there; case, separators and what stands in front do not matter.
 ALBEDO = ["denoisingalbedo", "albedo", "diffusealbedo"]

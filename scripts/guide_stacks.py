@@ -7,15 +7,19 @@
 A SCENE (.obj, .toml) is rendered with `--spp` samples a pixel, uniformly, and twice as a reference; each number of samples
 gives a folder DIR/SCENE-SPP. A FOLDER that holds a stack already (b0.exr, b1.exr …, ref1.exr, perhaps ref2.exr) gets the
 pictures of OIDN that are missing: oidn.exr, oidn-clean.exr (features denoised first), oidn-colour.exr (from colour alone).
-Needs what denoise_with_oidn.py needs. The same seed gives the same stacks.
+Needs what denoise_with_oidn.py needs (pip install pyoidn numpy openexr). The same seed gives the same stacks.
 """
 
 import argparse
 import os
 import subprocess
 
-import pyoidn
-from denoise_with_oidn import denoise, read_buckets, read_stack, run_filter, sound, write_picture
+from packages import need
+
+need(__doc__, "numpy", "OpenEXR", "pyoidn")
+
+import pyoidn  # noqa: E402
+from denoise_with_oidn import denoise, read_buckets, read_stack, run_filter, sound, write_picture  # noqa: E402
 
 # Seed of the first reference; the second has the next.
 REFERENCE_SEED = 90001

@@ -22,8 +22,12 @@ import subprocess
 import sys
 import tempfile
 
-import numpy as np
-import OpenEXR
+from packages import need
+
+need(__doc__, "numpy", "OpenEXR")
+
+import numpy as np  # noqa: E402
+import OpenEXR  # noqa: E402
 
 WIDTH, DEPTH, HEIGHT = 40, 25, 1.2
 LAMP = 0.1

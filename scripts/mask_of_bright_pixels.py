@@ -12,8 +12,12 @@ side is left out, too: a filter that shares weights between pixels smears a lamp
 import argparse
 import sys
 
-import numpy as np
-import OpenEXR
+from packages import need
+
+need(__doc__, "numpy", "OpenEXR")
+
+import numpy as np  # noqa: E402
+import OpenEXR  # noqa: E402
 
 
 def read_picture(path):

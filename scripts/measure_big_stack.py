@@ -10,9 +10,13 @@ FILE is any stack that `tamis denoise FILE` takes. Its seams are no pictures, bu
 import argparse
 import os
 
-import measuring
-import numpy as np
-import OpenEXR
+from packages import need
+
+need(__doc__, "numpy", "OpenEXR")
+
+import measuring  # noqa: E402
+import numpy as np  # noqa: E402
+import OpenEXR  # noqa: E402
 
 
 def repeat(source, path, width, height):

@@ -12,9 +12,13 @@ import argparse
 import os
 import subprocess
 
-import numpy
-import OpenEXR
-from measuring import report_of, run
+from packages import need
+
+need(__doc__, "numpy", "OpenEXR")
+
+import numpy  # noqa: E402
+import OpenEXR  # noqa: E402
+from measuring import report_of, run  # noqa: E402
 
 # First parts of the names of layers that hold light.
 LIGHT = {"RGB", "R", "G", "B", "noisy", "emission", "indirect", "gathered"}

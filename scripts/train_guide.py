@@ -14,7 +14,11 @@ import argparse
 import glob
 import os
 
-import numpy as np
+from packages import need
+
+need(__doc__, "numpy")
+
+import numpy as np  # noqa: E402
 
 INPUTS = 61
 HIDDEN = 24

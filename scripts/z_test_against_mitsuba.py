@@ -20,10 +20,14 @@ import math
 import os
 import sys
 
-import numpy as np
-import OpenEXR
-from both_renderers import View, mean_and_error, render_with_mitsuba, render_with_tamis, write_side_by_side
-from PIL import Image
+from packages import need
+
+need(__doc__, "numpy", "OpenEXR", "PIL", "mitsuba")
+
+import numpy as np  # noqa: E402
+import OpenEXR  # noqa: E402
+from both_renderers import View, mean_and_error, render_with_mitsuba, render_with_tamis, write_side_by_side  # noqa: E402
+from PIL import Image  # noqa: E402
 
 SIGNIFICANCE = 0.01
 LEAST_SHARE = 0.9975
