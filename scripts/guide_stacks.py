@@ -12,7 +12,6 @@ Needs what denoise_with_oidn.py needs (pip install pyoidn numpy openexr). The sa
 
 import argparse
 import os
-import subprocess
 
 from packages import need
 
@@ -20,6 +19,7 @@ need(__doc__, "numpy", "OpenEXR", "pyoidn")
 
 import pyoidn  # noqa: E402
 from denoise_with_oidn import denoise, read_buckets, read_stack, run_filter, sound, write_picture  # noqa: E402
+from measuring import call  # noqa: E402
 
 # Seed of the first reference; the second has the next.
 REFERENCE_SEED = 90001
@@ -28,7 +28,7 @@ REFERENCE_SEED = 90001
 def render(options, scene, output, spp, seed):
     """Renders what is not there; --resume leaves a finished render alone and refuses another scene's, or another size."""
     command = [options.tamis, "render", scene, "--size", options.size, "--spp", str(spp), "--seed", str(seed)]
-    subprocess.run([*command, "--uniform", "--no-denoise", "--resume", "--quiet", "-o", output], check=True)
+    call([*command, "--uniform", "--no-denoise", "--resume", "--quiet", "-o", output])
 
 
 def render_folders(options, scene):

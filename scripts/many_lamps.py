@@ -18,7 +18,6 @@ import argparse
 import math
 import os
 import random
-import subprocess
 import sys
 import tempfile
 
@@ -28,6 +27,7 @@ need(__doc__, "numpy", "OpenEXR")
 
 import numpy as np  # noqa: E402
 import OpenEXR  # noqa: E402
+from measuring import call  # noqa: E402
 
 WIDTH, DEPTH, HEIGHT = 40, 25, 1.2
 LAMP = 0.1
@@ -102,7 +102,7 @@ def picture(options, scene, seed, folder):
     command = [options.tamis, "render", scene, "--uniform", "--no-denoise", "--quiet", "--aov", "none"]
     command += ["--max-depth=1", f"--seed={seed}", f"--spp={options.spp}", "--size=128x96", "-o", path]
     command += ["--eye=20,6,31", "--look-at=20,0,14", "--fov=50"]
-    subprocess.run(command, check=True)
+    call(command)
     channels = OpenEXR.File(path, separate_channels=True).channels()
     return channels["G"].pixels.astype(np.float64)
 

@@ -1,14 +1,26 @@
-"""What scripts that measure one run of `tamis` share. Plain Python, no packages."""
+"""What scripts that run `tamis` share. Plain Python, no packages."""
 
 import json
 import os
 import subprocess
+import sys
 import tempfile
+
+
+def call(command, **options):
+    """Runs a command to its end; one that fails has said why, and ends the script, too."""
+    try:
+        outcome = subprocess.run(command, **options)
+    except OSError as error:
+        sys.exit(f"{command[0]}: cannot be run: {error.strerror} (cargo build makes tamis, --tamis says where it is)")
+    if outcome.returncode != 0:
+        sys.exit(f"{command[0]} {command[1]} ended with {outcome.returncode}")
+    return outcome
 
 
 def report_of(command):
     """What a command of `tamis` tells by `--json`."""
-    return json.loads(subprocess.run([*command, "--json"], check=True, stdout=subprocess.PIPE).stdout)
+    return json.loads(call([*command, "--json"], stdout=subprocess.PIPE).stdout)
 
 
 def run(parser, measure):

@@ -19,15 +19,14 @@ import shlex
 import subprocess
 import sys
 
+from measuring import call
+
 METHODS = ["best", "nfor", "wlr", "apr"]
 
 
 def run(command):
     print("$", " ".join(command), file=sys.stderr)
-    outcome = subprocess.run(command, stdout=subprocess.PIPE, text=True)
-    if outcome.returncode != 0:
-        sys.exit(f"{command[0]} ended with {outcome.returncode}")
-    return outcome.stdout
+    return call(command, stdout=subprocess.PIPE, text=True).stdout
 
 
 def inputs_of(stack):

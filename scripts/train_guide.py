@@ -13,6 +13,7 @@ core. The same seed gives the same weights on the same machine.
 import argparse
 import glob
 import os
+import sys
 
 from packages import need
 
@@ -46,6 +47,8 @@ def read_lessons(folders):
     for path in sorted(path for folder in folders for path in glob.glob(os.path.join(folder, "*.lesson"))):
         rows = np.fromfile(path, "<f4").reshape(-1, INPUTS + 5)
         lessons.append((os.path.basename(path)[: -len(".lesson")], rows))
+    if not lessons:
+        sys.exit(f"{' '.join(folders)}: no *.lesson, which `tamis experiment guide` writes")
     count = min(len(rows) for _, rows in lessons)
     random = np.random.default_rng(5)
     return [(name, rows[random.permutation(len(rows))[:count]]) for name, rows in lessons]
