@@ -4,6 +4,8 @@
     pip install mitsuba numpy openexr pillow          (tried with mitsuba 3.9, numpy 2, openexr 3.5, pillow 13)
     python scripts/compare_with_mitsuba.py SCENE.obj --eye 0,1,5 --look-at 0,1,0 --fov 30 -o DIR
 
+A place that begins with a minus needs an equals sign: --eye=-0.01,0.995,4.835.
+
 For Mitsuba, geometry, materials and camera are read and built by both_renderers.py, from the OBJ and MTL files and from
 what Tamis documents; no code is shared with Tamis. Both render `--seeds` pictures of `--spp` samples with as many
 independent seeds, from whose spread the standard errors follow. Printed are the means per channel with their ratio, and
