@@ -596,10 +596,14 @@ fn inputs_may_come_through_pipes() {
     let workplace = Workplace::new();
     workplace.must("render box.obj --size 16x12 --spp 4 --uniform --no-denoise -o a.exr --quiet");
     workplace.must("denoise a.exr -o b.exr --method ld --quiet");
+    let piped = |line: &str, bytes: &[u8]| {
+        let mut command = workplace.command(line);
+        let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        child.stdin.take().unwrap().write_all(bytes).unwrap();
+        child.wait_with_output().unwrap()
+    };
     let through_pipe = |line: &str| {
-        let mut child = workplace.command(line).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
-        child.stdin.take().unwrap().write_all(&workplace.bytes("a.exr")).unwrap();
-        let output = child.wait_with_output().unwrap();
+        let output = piped(line, &workplace.bytes("a.exr"));
         assert!(output.status.success(), "{line}");
         String::from_utf8(output.stdout).unwrap()
     };
@@ -610,8 +614,32 @@ fn inputs_may_come_through_pipes() {
     assert_eq!(json(&through_pipe("info - --json"))[0]["file"], "-");
     let report = json(&through_pipe("compare a.exr - --json"));
     assert_eq!((&report["images"][0]["file"], report["images"][0]["rmse"].as_f64()), (&"-".into(), Some(0.0)));
+    assert_eq!(json(&through_pipe("compare a.exr b.exr --mask - --json"))["mask"], "-");
+    let guided = json(&through_pipe("denoise a.exr --guide - -o e.exr --json"));
+    assert_eq!(guided["guide"]["file"], "-");
+    workplace.must("render box.obj --size 16x12 --samples 0..2 --no-denoise -o s.exr --quiet");
+    workplace.must("render box.obj --size 16x12 --samples 2..4 --no-denoise -o t.exr --quiet");
+    let merged = piped("merge - t.exr -o m.exr --quiet", &workplace.bytes("s.exr"));
+    assert!(merged.status.success(), "{}", String::from_utf8_lossy(&merged.stderr));
+    workplace.must("merge s.exr t.exr -o n.exr --quiet");
+    assert!(workplace.bytes("m.exr") == workplace.bytes("n.exr"));
     let run = workplace.tamis("denoise a.exr -o -");
     assert!(run.code() == Some(2) && run.stderr().contains("standard output"), "{}", run.stderr());
+    // Copies of pipes are nobody's business.
+    for line in [
+        "denoise - -o o.exr",
+        "denoise a.exr --guide - -o o.exr",
+        "info -",
+        "merge - a.exr -o o.exr",
+        "compare a.exr -",
+    ] {
+        let output = piped(line, b"no picture");
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.code() == Some(2) && said.contains("standard input: not a readable"), "{line}: {said}");
+    }
+    let output = piped("denoise - -o folder/", &workplace.bytes("a.exr"));
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(2) && said.contains("standard input has no name"), "{said}");
 }
 
 #[test]

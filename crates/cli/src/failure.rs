@@ -42,9 +42,31 @@ pub fn usage(message: impl Into<String>) -> anyhow::Error {
     UsageError(message.into()).into()
 }
 
-/// The exit code of the first error in the chain that says whose fault it is.
+/// An error in other words than those it came with.
+#[derive(Debug)]
+pub struct Blamed {
+    /// What is said.
+    pub message: String,
+    /// Whose fault it was before, and is.
+    pub fault: Fault,
+}
+
+impl std::fmt::Display for Blamed {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for Blamed {}
+
+/// What the first error in the chain that says whose fault it is says.
+pub fn fault_of(error: &anyhow::Error) -> Fault {
+    error.chain().find_map(fault).unwrap_or(Fault::Machine)
+}
+
+/// The exit code that goes with that.
 pub fn exit_code(error: &anyhow::Error) -> ExitCode {
-    match error.chain().find_map(fault).unwrap_or(Fault::Machine) {
+    match fault_of(error) {
         Fault::Usage | Fault::Input => ExitCode::from(2),
         Fault::Machine => ExitCode::from(3),
         Fault::Interrupted => ExitCode::from(130),
@@ -67,6 +89,9 @@ fn fault(error: &(dyn std::error::Error + 'static)) -> Option<Fault> {
         reconstruct::blend::BlendError,
         reconstruct::metrics::ComparisonError
     );
+    if let Some(Blamed { fault, .. }) = error.downcast_ref() {
+        return Some(*fault);
+    }
     if error.is::<UsageError>() || error.is::<stack::KnobError>() {
         return Some(Fault::Usage);
     }

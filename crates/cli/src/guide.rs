@@ -24,14 +24,14 @@ pub struct Followed {
 }
 
 impl Guide {
-    /// Reads the picture of `file`, for a stack of `size`.
+    /// Reads the picture of `file`, which the user calls `name`, for a stack of `size`.
     ///
     /// # Errors
     /// When it cannot be read, holds no colour, or has another size.
-    pub fn read(file: &Path, size: Size) -> Result<Self> {
+    pub fn read((file, name): (&Path, &Path), size: Size) -> Result<Self> {
         let (picture, _) = read_any_picture(file).context("--guide")?;
         check_size(&picture, size).with_context(|| format!("--guide {}", file.display()))?;
-        Ok(Self { file: file.into(), picture })
+        Ok(Self { file: name.into(), picture })
     }
 
     /// Mixes it into what `stack` was `rebuilt` to, and says how much.

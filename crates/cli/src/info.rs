@@ -19,11 +19,15 @@ use crate::stdout::print_line;
 
 /// Runs the command.
 pub fn run(args: &InfoArgs) -> Result<Verdict> {
-    let mut reports = Vec::new();
     let mut spool = Spool::default();
     let files = args.files.iter().map(|file| spool.text(file)).collect::<Result<Vec<_>>>()?;
+    spool.naming(run_on_files(args, &files))
+}
+
+fn run_on_files(args: &InfoArgs, files: &[String]) -> Result<Verdict> {
+    let mut reports = Vec::new();
     let called = |file: &String| files.iter().position(|f| f == file).map_or(file, |at| &args.files[at]).clone();
-    for files in groups(&files) {
+    for files in groups(files) {
         let name = files.iter().map(called).collect::<Vec<_>>().join(" ");
         let report = describe(&files, &name, args)?;
         if !args.json {

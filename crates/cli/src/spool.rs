@@ -8,7 +8,7 @@ use anyhow::{Context, Result};
 use stack::file::Source;
 use tempfile::TempDir;
 
-use crate::failure::usage;
+use crate::failure::{Blamed, fault_of, usage};
 
 /// Files that stand for such inputs, as long as it lives. Readers look at a file several times, and go back and forth in it.
 #[derive(Default)]
@@ -37,9 +37,9 @@ impl Spool {
         } else {
             File::open(path).and_then(|mut file| file.read_to_end(&mut bytes))
         };
-        read.map_err(|error| usage(format!("{}: cannot be read: {error}", path.display())))?;
+        read.map_err(|error| usage(format!("{}: cannot be read: {error}", shown(path))))?;
         let there = self.place(&bytes)?;
-        std::fs::write(&there, bytes).with_context(|| format!("{}: cannot be stored", path.display()))?;
+        std::fs::write(&there, bytes).with_context(|| format!("{}: cannot be stored", shown(path)))?;
         self.moved.push((path.into(), there.clone()));
         Ok(there)
     }
@@ -56,6 +56,26 @@ impl Spool {
         }
         let role = text.strip_suffix(&*file.to_string_lossy()).unwrap_or_default();
         Ok(format!("{role}{}", there.display()))
+    }
+
+    /// What the user called the first input that was stored.
+    pub fn first_name(&self) -> Option<String> {
+        self.moved.first().map(|(name, _)| shown(name))
+    }
+
+    /// `outcome`, whose error calls what was stored as the user called it: nobody knows the copies, which are gone by then.
+    ///
+    /// # Errors
+    /// That of `outcome`.
+    pub fn naming<T>(&self, outcome: Result<T>) -> Result<T> {
+        outcome.map_err(|error| {
+            let said = format!("{error:#}");
+            let rename = |text: String, (name, there): &(PathBuf, PathBuf)| {
+                text.replace(&*there.to_string_lossy(), &shown(name))
+            };
+            let named = self.moved.iter().fold(said.clone(), rename);
+            if named == said { error } else { Blamed { message: named, fault: fault_of(&error) }.into() }
+        })
     }
 
     /// A name for what begins so: its end says what is in it, for there is no other.
@@ -75,6 +95,11 @@ impl Spool {
         self.folder = Some(folder);
         Ok(place)
     }
+}
+
+/// How messages call an input.
+fn shown(path: &Path) -> String {
+    if path == Path::new("-") { "standard input".into() } else { path.display().to_string() }
 }
 
 #[cfg(test)]
@@ -104,5 +129,19 @@ mod tests {
         assert_eq!(spool.path(Path::new("/dev/null")).unwrap(), Path::new(file));
         drop(spool);
         assert!(!Path::new(file).exists());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn errors_call_a_copy_what_the_user_called_it_and_keep_their_exit_code() {
+        let mut spool = Spool::default();
+        let there = spool.path(Path::new("/dev/null")).unwrap();
+        assert_eq!(spool.first_name().unwrap(), "/dev/null");
+        let error = || stack::file::FileError::Folder { path: there.clone() };
+        let named = spool.naming::<()>(Err(anyhow::Error::from(error()).context("--guide"))).unwrap_err();
+        assert_eq!(format!("{named:#}"), "--guide: /dev/null: expected a file, found a folder");
+        assert_eq!(fault_of(&named), stack::Fault::Input);
+        let other = spool.naming::<()>(Err(usage("wrong"))).unwrap_err();
+        assert!(other.is::<crate::failure::UsageError>(), "others stay as they are");
     }
 }

@@ -22,8 +22,9 @@ pub fn run(mut args: DenoiseArgs, matches: &ArgMatches) -> Result<Verdict> {
         return Err(usage("denoise needs an output file: -o FILE"));
     }
     let mut spool = Spool::default();
+    args.guide_name.clone_from(&args.guide);
     store_pipes(&mut args, &mut spool)?;
-    run_on_files(&args, matches)
+    spool.naming(run_on_files(&args, matches, &spool))
 }
 
 /// Puts files in the place of inputs that can be read only once.
@@ -38,8 +39,11 @@ fn store_pipes(args: &mut DenoiseArgs, spool: &mut Spool) -> Result<()> {
     Ok(())
 }
 
-fn run_on_files(args: &DenoiseArgs, matches: &ArgMatches) -> Result<Verdict> {
+fn run_on_files(args: &DenoiseArgs, matches: &ArgMatches, spool: &Spool) -> Result<Verdict> {
     if let Some(jobs) = batch::jobs(args)? {
+        if let Some(pipe) = spool.first_name() {
+            return Err(usage(format!("{pipe} has no name to be written under: give a file as output")));
+        }
         if args.guide.is_some() {
             return Err(usage("--guide is one picture: denoise one stack at a time"));
         }

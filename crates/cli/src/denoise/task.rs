@@ -37,8 +37,8 @@ pub struct Wishes<'a> {
     pub reading: ReadOptions,
     /// What must be there (`--require`).
     pub require: &'a [String],
-    /// Another denoiser's picture.
-    pub guide: Option<&'a Path>,
+    /// Another denoiser's picture, and what the user calls it.
+    pub guide: Option<(&'a Path, &'a Path)>,
     /// Layers of light to rebuild, too.
     pub also: &'a [String],
 }
@@ -46,7 +46,8 @@ pub struct Wishes<'a> {
 impl<'a> Wishes<'a> {
     /// Those of `denoise`.
     pub fn of(args: &'a DenoiseArgs) -> Self {
-        Self { reading: args.reading.options(), require: &args.require, guide: args.guide.as_deref(), also: &args.also }
+        let guide = args.guide.as_deref().map(|file| (file, args.guide_name.as_deref().unwrap_or(file)));
+        Self { reading: args.reading.options(), require: &args.require, guide, also: &args.also }
     }
 }
 
@@ -82,7 +83,7 @@ impl Task<'_> {
         read.notes.iter().for_each(|note| progress.say(note));
         let loaded = start.elapsed().as_secs_f64();
         require(self.wishes.require, &read)?;
-        let guide = self.wishes.guide.map(|file| Guide::read(file, read.stack.size())).transpose()?;
+        let guide = self.wishes.guide.map(|names| Guide::read(names, read.stack.size())).transpose()?;
         let header = header_of(&read, &settings);
         let noisy = mean_radiance(&read.stack.beauty());
         let passes = passes(self.wishes.also, &read.stack)?;

@@ -115,7 +115,7 @@ impl Render<'_> {
             checkpoint,
         };
         // One that does not fit is found before the work.
-        let guide = args.guide.as_deref().map(|file| Guide::read(file, plan.window.size)).transpose()?;
+        let guide = args.guide.as_deref().map(|file| Guide::read((file, file), plan.window.size)).transpose()?;
         let mut finished = trace_adaptively(&sampling, film, &plan.budget, plan.reconstruct)?;
         if let (Some(guide), Some(rebuilt)) = (guide, &mut finished.reconstruction) {
             match guide.mix(&finished.stack, rebuilt, &plan.settings.reconstruction, progress) {
