@@ -640,6 +640,8 @@ fn inputs_may_come_through_pipes() {
     let output = piped("denoise - -o folder/", &workplace.bytes("a.exr"));
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.code() == Some(2) && said.contains("standard input has no name"), "{said}");
+    let run = workplace.tamis("denoise a.exr -o o.exr --max-memory 1.5m");
+    assert!(run.code() == Some(2) && run.stderr().contains("--max-memory 1.5m: "), "{}", run.stderr());
 }
 
 #[test]

@@ -40,8 +40,12 @@ const AT_ONCE: f64 = 380.0;
 const MARGIN: f64 = 96.0;
 
 /// A number of bytes: `800M`, `24G`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Bytes(pub u64);
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Bytes {
+    number: u64,
+    /// As it was given, for messages.
+    text: String,
+}
 
 impl FromStr for Bytes {
     type Err = String;
@@ -56,7 +60,9 @@ impl FromStr for Bytes {
             _ => return Err(EXPECTED.into()),
         };
         match digits.parse::<f64>() {
-            Ok(number) if number > 0.0 && number.is_finite() => Ok(Self((number * unit) as u64)),
+            Ok(number) if number > 0.0 && number.is_finite() => {
+                Ok(Self { number: (number * unit) as u64, text: text.into() })
+            }
             _ => Err(EXPECTED.into()),
         }
     }
@@ -69,16 +75,16 @@ const EXPECTED: &str = "expected a number of bytes, as in 800M or 24G";
 ///
 /// # Errors
 /// When a limit was given that cannot be kept.
-pub fn rows_at_once(limit: Option<Bytes>, stack: Need, method: MethodSettings, then: Afterwards) -> Result<usize> {
+pub fn rows_at_once(limit: Option<&Bytes>, stack: Need, method: MethodSettings, then: Afterwards) -> Result<usize> {
     if !method.is_collaborative() {
         let told = "--max-memory goes with --preset best and fast: other methods hold all they have at once";
         return if limit.is_some() { Err(usage(told)) } else { Ok(usize::MAX) };
     }
-    let most = limit.map(|limit| limit.0 as f64).or_else(|| Some(0.75 * physical_memory()? as f64));
+    let most = limit.map(|limit| limit.number as f64).or_else(|| Some(0.75 * physical_memory()? as f64));
     stack.rows(most.unwrap_or(f64::INFINITY), then).map_or_else(
         |least| match limit {
-            Some(Bytes(limit)) => Err(usage(format!(
-                "--max-memory {limit}: this stack of {} takes about {} at least",
+            Some(Bytes { text, .. }) => Err(usage(format!(
+                "--max-memory {text}: this stack of {} takes about {} at least",
                 stack.size,
                 in_words(least)
             ))),
@@ -201,7 +207,7 @@ mod tests {
 
     #[test]
     fn numbers_of_bytes_have_units() {
-        let bytes = |text: &str| text.parse::<Bytes>().map(|bytes| bytes.0);
+        let bytes = |text: &str| text.parse::<Bytes>().map(|bytes| bytes.number);
         assert_eq!(bytes("800M"), Ok(800 << 20));
         assert_eq!(bytes("1.5g"), Ok(3 << 29));
         assert_eq!(bytes("77"), Ok(77));
