@@ -169,7 +169,9 @@ pub fn run(args: &DenoiseArgs, matches: &ArgMatches, jobs: &[Job]) -> Result<Ver
             Err(error) => {
                 speaker.say(&format!("{place}: {error:#}"));
                 reports.push(json!({"output": job.outputs, "error": format!("{error:#}")}));
-                failed.push(format!("{}: {error:#}", job.sources[0].path.display()));
+                let (name, said) = (job.sources[0].path.display().to_string(), format!("{error:#}"));
+                // Most errors name the file themselves.
+                failed.push(if said.starts_with(&name) { said } else { format!("{name}: {said}") });
             }
         }
     }
