@@ -1,6 +1,7 @@
 //! What a layer is, by its values: for a renderer whose names are the user's.
 
 use super::layer_list::LayerNames;
+use super::moments::is_picture_with_moment;
 use super::recognise::Search;
 use super::role::Role;
 use super::{Layers, Passthrough};
@@ -21,7 +22,7 @@ pub fn by_value<'a>(search: &Search<'a>, role: Role) -> Option<Vec<&'a LayerName
         return None;
     }
     let Role::Feature(feature) = role else { return None };
-    let free = search.list.iter().filter(|layer| search.is_free(layer) && !is_moment(search, layer));
+    let free = search.list.iter().filter(|layer| search.is_free(layer) && !is_picture_with_moment(search.list, layer));
     Some(match feature {
         FeatureRole::Normal => free.filter(|layer| has_unit_vectors(search.layers, layer) == Some(true)).collect(),
         FeatureRole::Position => free.filter(|layer| has_unit_vectors(search.layers, layer) == Some(false)).collect(),
@@ -33,10 +34,6 @@ pub fn by_value<'a>(search: &Search<'a>, role: Role) -> Option<Vec<&'a LayerName
         }
         FeatureRole::Visibility | FeatureRole::Proximity | FeatureRole::Lit => return None,
     })
-}
-
-fn is_moment(search: &Search<'_>, layer: &LayerNames) -> bool {
-    layer.name.starts_with("m2_") || search.list.iter().any(|other| other.name == format!("m2_{}", layer.name))
 }
 
 /// Whether a layer of X, Y and Z holds unit vectors; `None` when it is none, or all zero.

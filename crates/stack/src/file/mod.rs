@@ -39,6 +39,7 @@ mod loaded;
 mod memory;
 mod memory_limit;
 mod mend;
+mod moments;
 mod own;
 mod passes;
 mod pfm;

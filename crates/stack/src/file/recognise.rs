@@ -3,6 +3,7 @@
 use super::alias::{ANYBODY, GEOMETRIC_WORDS, OTHER_WORDS, RENDERERS, Renderer, SHADING_WORDS, Sign, WORDS};
 use super::by_value::by_value;
 use super::layer_list::{LayerNames, layer_list, words};
+use super::moments::{is_moment, mean_of_moment};
 use super::role::{Convention, Measure, Role, Slot};
 use super::slot_names::slot_of;
 use super::{FileError, Layers};
@@ -85,10 +86,11 @@ impl<'a> Search<'a> {
         !self.found.iter().any(|m| m.slot.same_as(slot)) && !self.map.iter().any(|(s, _)| s.same_as(slot))
     }
 
-    /// Whether a layer has no role yet.
+    /// Whether a layer has no role yet, and may have one.
     pub fn is_free(&self, layer: &LayerNames) -> bool {
         let taken = |name: &String| self.found.iter().any(|m| m.channels.contains(name));
-        !layer.triple().or_else(|| layer.single()).is_some_and(|names| names.iter().any(taken))
+        !is_moment(self.list, layer)
+            && !layer.triple().or_else(|| layer.single()).is_some_and(|names| names.iter().any(taken))
     }
 
     fn take(&mut self, slot: Slot, layer: &LayerNames, guessed: bool) {
@@ -306,7 +308,7 @@ impl<'a> Search<'a> {
         }
         let count = role.channels();
         let mean_of = |moment: &LayerNames| {
-            let name = moment.name.strip_prefix("m2_")?;
+            let name = mean_of_moment(&moment.name)?;
             self.list.iter().find(|layer| layer.name == name && layer.channels(count).is_some())
         };
         let fits = |layer: &&LayerNames| {

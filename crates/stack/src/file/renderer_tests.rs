@@ -139,6 +139,42 @@ fn mitsubas_second_moments_need_the_number_of_samples() {
     assert!(variance.channels().iter().flatten().all(|v| (v - 0.25).abs() < 1e-5), "0.75 / (4 − 1)");
 }
 
+/// `moment` around `aov`, and `aov` around `moment`.
+#[test]
+fn mitsubas_moments_have_layers_of_their_own() {
+    let folder = Files::new();
+    let layers = |prefix: &str| {
+        let mut channels = triples(&[""], "XYZ").iter().map(|c| format!("{prefix}{c}")).collect::<Vec<_>>();
+        channels.extend(triples(&[&format!("{prefix}.where"), &format!("{prefix}.nn")], "XYZ"));
+        channels.extend(triples(&[&format!("{prefix}.albedo")], "RGB"));
+        channels
+    };
+    let mut channels = [layers("img"), layers("m2_img"), vec!["R".into(), "G".into(), "B".into()]].concat();
+    let values = |name: &str, pixel: usize| match name.split('.').nth(1) {
+        Some("nn") => unit(name, pixel),
+        Some("where") => 7.0 + noise(name, pixel),
+        _ => noise(name, pixel),
+    };
+    let options = ReadOptions { spp: vec![4], ..ReadOptions::default() };
+    let write = |name: &str, channels: &[String]| {
+        let names: Vec<&str> = channels.iter().map(String::as_str).collect();
+        let path = folder.exr(name, &names, &values, &[("generatedBy", text("Mitsuba version 3.9.1"))]);
+        read_inputs(&files(&[path]), &options).unwrap_or_else(|error| panic!("{error}"))
+    };
+    let around = write("around.exr", &channels);
+    let expected = ["colour=R G B", "position=img.where", "albedo=img.albedo", "normal=img.nn"];
+    assert_eq!(layers_of(&around), expected);
+    for role in [FeatureRole::Position, FeatureRole::Albedo, FeatureRole::Normal] {
+        let noise = &around.stack.feature(role).unwrap().estimate.noise;
+        assert!(matches!(noise, Noise::VarianceOfMean(_)), "{role:?}");
+    }
+    channels = triples(&["outer.img", "outer.m2_img", "nn"], "XYZ");
+    channels.extend(triples(&["outer"], "RGB"));
+    channels.extend(["R", "G", "B"].map(String::from));
+    let within = write("within.exr", &channels);
+    assert!(matches!(colour(&within).noise, Noise::VarianceOfMean(_)), "{:?}", within.notes);
+}
+
 #[test]
 fn mitsubas_own_files() {
     let Some(path) = shared("mitsuba/mi_cornell_256_16spp_aov.exr") else { return };
