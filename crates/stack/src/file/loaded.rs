@@ -4,8 +4,9 @@ use super::convention::{Measured, Useless, of_the_mean, usable};
 use super::counts::{Spp, take_spp};
 use super::found::{Found, FoundRole, layer_name};
 use super::mend::{Oriented, mend_role, mend_variance, to_world_space};
-use super::recognise::{Mapping, Match, Recognised, recognise};
+use super::recognise::{Mapping, Match, Recognised, XYZ, recognise};
 use super::role::{Convention, Measure, Role, Slot};
+use super::xyz::rgb_of_xyz;
 use super::{FileError, Layers};
 use crate::{FeatureRole, Image, Noise};
 
@@ -108,7 +109,8 @@ pub fn load(mut layers: Layers, options: &ReadOptions, nth: usize, apart: bool) 
 }
 
 fn found_role(m: &Match, from: Option<String>) -> FoundRole {
-    let (role, channels) = (m.slot.role.name().into(), m.channels.clone());
+    let (role, mut channels) = (m.slot.role.name().into(), m.channels.clone());
+    channels.dedup();
     FoundRole { role, channels, noise: String::new(), from, guessed: m.guessed }
 }
 
@@ -124,7 +126,11 @@ impl Taking<'_> {
         let mean_match = self.recognised.mean(role)?;
         let halves = [Measure::HalfA, Measure::HalfB].map(|measure| self.recognised.get(Slot { role, measure }));
         let variance = self.recognised.get(Slot { role, measure: Measure::Variance(Convention::Unsaid) });
-        let mean = self.image(&mean_match.channels)?;
+        let mut mean = self.image(&mean_match.channels)?;
+        if role == Role::Colour && mean_match.channels == XYZ {
+            mean = rgb_of_xyz(&mean);
+            self.found.remarks.push("the picture is CIE XYZ, and was taken to linear Rec. 709".into());
+        }
         let (halves, from) = match halves {
             [Some(a), Some(b)] => {
                 let from = format!("{} and {}", layer_name(&a.channels), layer_name(&b.channels));
@@ -175,8 +181,12 @@ impl Taking<'_> {
     }
 }
 
-/// Takes the channels `names` out as one image, when all are there.
+/// Takes the channels `names` out as one image, when all are there. One that is named for all is there once.
 pub fn take_image(layers: &mut Layers, names: &[String]) -> Option<Image> {
+    if let Some(only) = names.first().filter(|first| names.iter().all(|name| name == *first)) {
+        let plane = layers.take(only)?;
+        return Some(Image::from_channels(layers.window.size, vec![plane; names.len()]));
+    }
     if !names.iter().all(|name| layers.has(name)) {
         return None;
     }

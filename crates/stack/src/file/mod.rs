@@ -63,6 +63,7 @@ mod temporaries;
 mod test_files;
 mod together;
 mod write;
+mod xyz;
 
 pub use atomic::{check_writable, write_atomically};
 pub use carried::Carried;

@@ -4,11 +4,14 @@ use std::path::Path;
 
 use super::borrowed::BorrowedSamples;
 use super::layers::{Frame, write_channels};
+use super::recognise::XYZ;
 use super::write::SAMPLES;
+use super::xyz::rgb_of_xyz;
 use super::{Carried, FileError, Layers, Record, read_pfm, write_pfm};
 use crate::{Image, Window};
 
-/// Reads the picture in an EXR file (its `R G B`, the first layer that has them, or a grey `Y`) or a PFM file.
+/// Reads the picture in an EXR file (its `R G B`, the first layer that has them, a grey `Y`, or Mitsuba's
+/// `X Y Z`) or a PFM file.
 ///
 /// # Errors
 /// When the file cannot be read or holds no colour.
@@ -47,6 +50,7 @@ pub(super) fn read_picture_layers(path: &Path) -> Result<Layers, FileError> {
     let (outline, _) = Layers::outline(path)?;
     let picture: Vec<String> = match colour_prefix(&outline) {
         Ok(prefix) => ["R", "G", "B", "A"].map(|channel| format!("{prefix}{channel}")).into(),
+        Err(_) if is_xyz(&outline) => ["X", "Y", "Z", "A"].map(String::from).into(),
         Err(_) if outline.has("Y") => ["Y", "A"].map(String::from).into(),
         Err(no_colour) => return Err(no_colour),
     };
@@ -61,9 +65,18 @@ fn take_picture(layers: &mut Layers) -> Result<(Image, String), FileError> {
             let planes = ["R", "G", "B"].iter().filter_map(|c| layers.take(&format!("{prefix}{c}"))).collect();
             (prefix, planes)
         }
+        Err(_) if is_xyz(layers) => {
+            let planes = XYZ.iter().filter_map(|channel| layers.take(channel)).collect();
+            return Ok((rgb_of_xyz(&Image::from_channels(layers.window.size, planes)), String::new()));
+        }
         Err(no_colour) => (String::new(), vec![layers.take("Y").ok_or(no_colour)?; 3]),
     };
     Ok((Image::from_channels(layers.window.size, planes), prefix))
+}
+
+/// Whether a file without `R G B` holds Mitsuba's picture of CIE XYZ; elsewhere such channels may be a position.
+fn is_xyz(layers: &Layers) -> bool {
+    XYZ.iter().all(|channel| layers.has(channel)) && layers.carried.begins_with("generatedBy", "Mitsuba")
 }
 
 /// What stands in front of `R`, `G` and `B` in the channels that hold the picture.

@@ -71,6 +71,9 @@ fn renderer_of(layers: &Layers, list: &[LayerNames]) -> &'static Renderer {
     RENDERERS.iter().find(|renderer| renderer.signs.iter().any(shows)).unwrap_or(&ANYBODY)
 }
 
+/// Channels of a picture of CIE XYZ.
+pub(super) const XYZ: [&str; 3] = ["X", "Y", "Z"];
+
 /// A search under way.
 pub(super) struct Search<'a> {
     pub layers: &'a Layers,
@@ -146,9 +149,25 @@ impl<'a> Search<'a> {
             Some(layer) => (Some(layer), false),
             None => (self.only_rgb(), true),
         };
-        let layer = layer.ok_or_else(|| self.no_colour())?;
-        self.take(slot, layer, guessed);
+        if let Some(layer) = layer {
+            self.take(slot, layer, guessed);
+            return Ok(());
+        }
+        let channels = self.tristimulus().or_else(|| self.grey()).ok_or_else(|| self.no_colour())?;
+        self.found.push(Match { slot, channels, mean: None, guessed: false });
         Ok(())
+    }
+
+    /// The picture as Mitsuba's films of `pixel_format` `xyz` hold it. Elsewhere such channels may be anything.
+    fn tristimulus(&self) -> Option<Vec<String>> {
+        let there = self.renderer.name == "Mitsuba" && XYZ.iter().all(|name| self.layers.has(name));
+        there.then(|| XYZ.map(String::from).into())
+    }
+
+    /// A picture of luminance alone, which is all three of its colours.
+    fn grey(&self) -> Option<Vec<String>> {
+        let alone = self.layers.has("Y") && !["X", "Z"].iter().any(|name| self.layers.has(name));
+        alone.then(|| vec!["Y".into(); 3])
     }
 
     /// The only layer of red, green and blue, when it has no other role.
@@ -235,8 +254,11 @@ impl<'a> Search<'a> {
 
     fn alpha_of_colour(&self) -> Option<Vec<String>> {
         let colour = self.found.iter().find(|m| m.slot == Slot { role: Role::Colour, measure: Measure::Mean })?;
-        let layer = self.list.iter().find(|layer| layer.triple().as_ref() == Some(&colour.channels))?;
-        layer.channel("A").map(|alpha| vec![alpha])
+        let is_bare = colour.channels.iter().any(|channel| channel == "Y");
+        let holds = |layer: &&LayerNames| {
+            layer.triple().as_ref() == Some(&colour.channels) || (is_bare && layer.name.is_empty())
+        };
+        self.list.iter().find(holds)?.channel("A").map(|alpha| vec![alpha])
     }
 
     fn colour_parent(&self) -> Option<String> {

@@ -176,6 +176,32 @@ fn mitsubas_moments_have_layers_of_their_own() {
 }
 
 #[test]
+fn grey_pictures_and_those_of_cie_xyz_are_pictures() {
+    let folder = Files::new();
+    let mitsuba = [("generatedBy", text("Mitsuba version 3.9.1"))];
+    let grey = read(&folder.exr("grey.exr", &["Y", "A", "albedo.R", "albedo.G", "albedo.B"], &noise, &mitsuba));
+    assert_eq!(layers_of(&grey), ["colour=Y", "albedo=albedo", "alpha=A"]);
+    assert_eq!(colour(&grey).mean, noise_of(&["Y", "Y", "Y"]));
+    let white = |name: &str, _: usize| {
+        if name == "X" {
+            0.950_456
+        } else if name == "Z" {
+            1.089_058
+        } else {
+            1.0
+        }
+    };
+    let path = folder.exr("xyz.exr", &["X", "Y", "Z"], &white, &mitsuba);
+    let xyz = read(&path);
+    assert_eq!(xyz.found.roles[0].channels, ["X", "Y", "Z"]);
+    assert!(colour(&xyz).mean.channels().iter().flatten().all(|v| (v - 1.0).abs() < 1e-3));
+    assert!(read_picture(&path).unwrap().channels().iter().flatten().all(|v| (v - 1.0).abs() < 1e-3));
+    assert!(xyz.notes.iter().any(|note| note.contains("XYZ")), "{:?}", xyz.notes);
+    // Anybody else's may be a position.
+    assert!(read_stack(&folder.exr("p.exr", &["X", "Y", "Z"], &white, &[])).is_err());
+}
+
+#[test]
 fn mitsubas_own_files() {
     let Some(path) = shared("mitsuba/mi_cornell_256_16spp_aov.exr") else { return };
     let read = read(&path);
