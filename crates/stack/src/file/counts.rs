@@ -67,8 +67,19 @@ pub fn rounded(plane: &[f32], scale: f64) -> Vec<u32> {
 fn attribute(layers: &Layers, recognised: &Recognised) -> Option<(f64, String)> {
     let names = recognised.renderer.spp.iter().chain(ANYBODY.spp);
     names.into_iter().find_map(|(start, end)| {
-        let number = layers.carried.number((start, end)).filter(|n| *n >= 1.0 && *n <= f64::from(MOST))?;
+        // Of several view layers each may have its own number.
+        let own = format!("{start}{}{end}", view_layer(recognised));
+        let number = layers.carried.number((&own, "")).or_else(|| layers.carried.number((start, end)));
+        let number = number.filter(|n| *n >= 1.0 && *n <= f64::from(MOST))?;
         let gap = if end.is_empty() { "" } else { "…" };
         Some((number, format!("attribute {start}{gap}{end}")))
     })
+}
+
+/// The view layer that the colour is of.
+fn view_layer(recognised: &Recognised) -> &str {
+    let colour = recognised.mean(Role::Colour).and_then(|found| found.channels.first());
+    let layer = colour.and_then(|channel| channel.rsplit_once('.')).map_or("", |(layer, _)| layer);
+    let parent = layer.rsplit_once('.').map_or("", |(parent, _)| parent);
+    parent.rsplit('.').next().unwrap_or_default()
 }

@@ -186,13 +186,34 @@ fn frame(path: &Path, headers: &[Header], names: &[Names]) -> Result<Layers, Fil
 }
 
 /// A channel's name with that of its part in front, where there are several parts and it is not there already (Blender
-/// repeats it).
-fn full_name(header: &Header, parts: usize, channel: &Text) -> String {
+/// repeats it). Where the parts are of several views (stereo), that of its view is the first, and not the part's last as well
+/// (`ViewLayer.Combined-left`): what belongs together begins alike.
+fn full_name(header: &Header, headers: &[Header], channel: &Text) -> String {
     let channel = decoded(channel.bytes());
-    let part = header.own_attributes.layer_name.as_ref().filter(|_| parts > 1).map(|name| decoded(name.bytes()));
-    match part {
-        Some(part) if !part.is_empty() && !channel.starts_with(&format!("{part}.")) => format!("{part}.{channel}"),
-        _ => channel,
+    let several = headers.len() > 1;
+    let part = header.own_attributes.layer_name.as_ref().filter(|_| several).map(|name| decoded(name.bytes()));
+    let part = part.unwrap_or_default();
+    let view = view_of(header).filter(|view| headers.iter().any(|other| view_of(other).as_ref() != Some(view)));
+    let part = view.as_ref().map_or(&*part, |view| without_view(&part, view));
+    let named = match part {
+        "" => channel,
+        part if channel.starts_with(&format!("{part}.")) => channel,
+        part => format!("{part}.{channel}"),
+    };
+    view.map_or(named.clone(), |view| format!("{view}.{named}"))
+}
+
+/// The view that a part is of, where it says.
+fn view_of(header: &Header) -> Option<String> {
+    header.own_attributes.view_name.as_ref().map(|name| decoded(name.bytes())).filter(|name| !name.is_empty())
+}
+
+/// The name of a part without that of its view at the end.
+fn without_view<'a>(part: &'a str, view: &str) -> &'a str {
+    match part.strip_suffix(view) {
+        Some("") => "",
+        Some(rest) if rest.ends_with(['-', '.', '_', ' ']) => &rest[..rest.len() - 1],
+        _ => part,
     }
 }
 
@@ -207,7 +228,7 @@ type Planes = Vec<Option<Mutex<FlatSamples>>>;
 fn channel_names(path: &Path, headers: &[Header], wanted: Wanted<'_>) -> Result<Vec<Names>, FileError> {
     let mut seen = HashSet::new();
     let mut name = |header: &Header, channel: &ChannelDescription| {
-        let name = full_name(header, headers.len(), &channel.name);
+        let name = full_name(header, headers, &channel.name);
         if !seen.insert(name.clone()) {
             return Err(broken(path, &format!("channel {name} is there twice")));
         }

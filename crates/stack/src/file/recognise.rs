@@ -93,7 +93,19 @@ impl<'a> Search<'a> {
     pub fn is_free(&self, layer: &LayerNames) -> bool {
         let taken = |name: &String| self.found.iter().any(|m| m.channels.contains(name));
         !is_moment(self.list, layer)
+            && !self.is_of_another_picture(layer)
             && !layer.triple().or_else(|| layer.single()).is_some_and(|names| names.iter().any(taken))
+    }
+
+    /// Whether a layer stands beside another picture than the colour: that of another view, or view layer.
+    fn is_of_another_picture(&self, layer: &LayerNames) -> bool {
+        let Some(own) = self.colour_parent() else { return false };
+        let is_picture = |other: &LayerNames| {
+            let mut names = self.renderer.means.iter().filter(|(role, _)| *role == Role::Colour);
+            names.any(|(_, names)| names.contains(&other.key.as_str())) && other.triple().is_some()
+        };
+        let beside = |other: &LayerNames| other.parent == layer.parent && is_picture(other);
+        !layer.parent.is_empty() && layer.parent != own && self.list.iter().any(beside)
     }
 
     fn take(&mut self, slot: Slot, layer: &LayerNames, guessed: bool) {
@@ -116,10 +128,27 @@ impl<'a> Search<'a> {
                 (Some(layer), _) => self.take(*slot, layer, false),
                 (None, [layer]) => self.take(*slot, layer, false),
                 (None, []) => return Err(self.no_such_layer(*slot, prefix)),
-                (None, several) => return Err(self.ambiguous(*slot, several)),
+                (None, several) => match self.named_in(*slot, prefix) {
+                    Some(layer) => self.take(*slot, layer, false),
+                    None => return Err(self.ambiguous(*slot, several)),
+                },
             }
         }
         Ok(())
+    }
+
+    /// Of a view or view layer called `prefix`, the one layer that has the most specific of the names for `slot`.
+    fn named_in(&self, slot: Slot, prefix: &str) -> Option<&'a LayerNames> {
+        let inside = |layer: &&LayerNames| {
+            layer.parent.strip_prefix(prefix).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+        };
+        let of_role = |table: &'static Renderer| table.means.iter().filter(move |(role, _)| *role == slot.role);
+        let mut names = [self.renderer, &ANYBODY].into_iter().flat_map(of_role).flat_map(|(_, names)| *names);
+        names.find_map(|name| {
+            let fits = |layer: &&LayerNames| layer.key == **name && layer.channels(slot.role.channels()).is_some();
+            let mut all = self.list.iter().filter(inside).filter(fits);
+            all.next().filter(|_| all.next().is_none())
+        })
     }
 
     /// The colour: the renderer's own name for it, bare `R G B`, a name anybody may use, or the only `R G B` there is.

@@ -283,6 +283,45 @@ fn two_view_layers_are_a_question_that_one_answer_settles() {
     assert_eq!(layers_of(&read), ["colour=Two.Combined", "normal=Two.Normal"]);
 }
 
+/// One answer is the name of a view or view layer; what belongs to another is not taken, and each has its own samples.
+#[test]
+fn views_and_view_layers_keep_their_layers_to_themselves() {
+    let folder = Files::new();
+    let combined: [&[&str]; 2] = [
+        &["One.Combined.R", "One.Combined.G", "One.Combined.B", "One.Combined.A"],
+        &["One.Normal.X", "One.Normal.Y", "One.Normal.Z"],
+    ];
+    let blender = ("BlenderMultiChannel", text(""));
+    let parts = ["left", "right"].map(|view| {
+        [(format!("One.Combined-{view}"), view, combined[0]), (format!("One.Normal-{view}"), view, combined[1])]
+    });
+    let parts: Vec<_> = parts.iter().flatten().map(|(part, view, channels)| (&**part, *view, *channels)).collect();
+    let path = folder.views("stereo.exr", &parts, std::slice::from_ref(&blender));
+    let error = read_stack(&path).unwrap_err().to_string();
+    assert!(error.contains("'left.One.Combined', 'right.One.Combined'"), "{error}");
+    let choose = |path: &std::path::Path, layer: &str| {
+        let map = vec![("colour".parse().unwrap(), layer.to_string())];
+        read_inputs(&files(&[path.into()]), &ReadOptions { map, ..ReadOptions::default() }).unwrap()
+    };
+    let right = choose(&path, "right");
+    assert_eq!(layers_of(&right)[..2], ["colour=right.One.Combined", "normal=right.One.Normal"]);
+    assert_eq!(colour(&right).mean, noise_of(&["One.Combined.Rright", "One.Combined.Gright", "One.Combined.Bright"]));
+
+    let mut names = triples(&["One.Combined", "One 2.Combined"], "RGB");
+    names.extend(triples(&["One.Position", "One 2.Normal"], "XYZ"));
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let attributes = [blender, ("cycles.One 2.samples", text("64")), ("cycles.One.samples", text("16"))];
+    let path = folder.exr("layers.exr", &names, &noise, &attributes);
+    let one = choose(&path, "One");
+    assert_eq!(layers_of(&one), ["colour=One.Combined", "position=One.Position"]);
+    assert_eq!(one.stack.samples.total[0], 16);
+    let two = choose(&path, "One 2");
+    assert_eq!(
+        (layers_of(&two), two.stack.samples.total[0]),
+        (vec!["colour=One 2.Combined".into(), "normal=One 2.Normal".into()], 64)
+    );
+}
+
 #[test]
 fn old_blender_wrote_a_variance_of_samples() {
     let folder = Files::new();

@@ -57,10 +57,18 @@ impl Files {
 
     /// Writes a part for each name, with its channels.
     pub fn parts(&self, name: &str, parts: &[(&str, &[&str])], attributes: &[(&str, AttributeValue)]) -> PathBuf {
+        let unseen: Vec<_> = parts.iter().map(|(part, channels)| (*part, "", *channels)).collect();
+        self.views(name, &unseen, attributes)
+    }
+
+    /// The same, with the view that each part is of.
+    pub fn views(&self, name: &str, parts: &[(&str, &str, &[&str])], attributes: &[(&str, AttributeValue)]) -> PathBuf {
         let path = self.path(name);
-        let layers = parts.iter().map(|(part, channels)| {
-            let mut layer = layer(channels, &noise, attributes, false);
+        let layers = parts.iter().map(|(part, view, channels)| {
+            let mut layer =
+                layer(channels, &|channel, pixel| noise(&format!("{channel}{view}"), pixel), attributes, false);
             layer.attributes.layer_name = Some(Text::from(*part));
+            layer.attributes.view_name = Some(Text::from(*view)).filter(|_| !view.is_empty());
             layer
         });
         let size = ImageAttributes::with_size((SIZE.width, SIZE.height));
