@@ -424,6 +424,33 @@ fn passes_are_rebuilt_in_place_and_add_up() {
 }
 
 #[test]
+fn where_nothing_is_there_is_no_light() {
+    let workplace = Workplace::new();
+    workplace.must("render box.obj --size 24x24 --spp 4 --quiet --uniform --no-denoise -o noisy.exr");
+    let mut layers = Layers::read(&workplace.path("noisy.exr")).unwrap();
+    layers.metadata = None;
+    layers.channels.retain(|channel| ["R", "G", "B"].contains(&&*channel.name));
+    let there = |pixel: usize| if pixel % 24 < 11 { 1.0 } else { 0.0 };
+    for channel in &mut layers.channels {
+        let cut = (0..576).map(|pixel| there(pixel) * channel.value(pixel)).collect();
+        channel.samples = FlatSamples::F32(cut);
+    }
+    let half = |channel: &Passthrough| FlatSamples::F32((0..576).map(|pixel| 0.5 * channel.value(pixel)).collect());
+    let key = layers.channels.iter().map(|c| Passthrough { name: format!("key.{}", c.name), samples: half(c) });
+    layers.channels.extend(key.collect::<Vec<_>>());
+    let alpha = FlatSamples::F32((0..576).map(there).collect());
+    layers.channels.push(Passthrough { name: "A".into(), samples: alpha });
+    layers.write(&workplace.path("cut.exr")).unwrap();
+    workplace.must("denoise cut.exr -o a.exr --also key --quiet");
+    let clean = Layers::read(&workplace.path("a.exr")).unwrap();
+    let plane = |name: &str| clean.channels.iter().find(|channel| channel.name == name).unwrap();
+    let empty: Vec<usize> = (0..576).filter(|pixel| there(*pixel) == 0.0).collect();
+    let names = ["R", "G", "B", "key.R", "key.G", "key.B"];
+    assert!(names.iter().all(|name| empty.iter().all(|&pixel| plane(name).value(pixel) == 0.0)));
+    assert!((0..576).map(|pixel| plane("R").value(pixel)).sum::<f32>() > 1.0);
+}
+
+#[test]
 fn a_guide_is_followed_where_it_is_nearer_to_the_truth() {
     let workplace = Workplace::new();
     for (file, spp, seed) in [("noisy.exr", 8, 1), ("near.exr", 512, 2), ("reference.exr", 512, 3)] {

@@ -85,20 +85,26 @@ impl Task<'_> {
         require(self.wishes.require, &read)?;
         let guide = self.wishes.guide.map(|names| Guide::read(names, read.stack.size())).transpose()?;
         let header = header_of(&read, &settings);
-        let noisy = mean_radiance(&read.stack.beauty());
+        let beauty = read.stack.beauty();
+        let (noisy, empty) = (mean_radiance(&beauty), empty_pixels(&read.stack, &beauty));
+        drop(beauty);
         let passes = passes(self.wishes.also, &read.stack)?;
         let images: Vec<Image> = passes.iter().map(|pass| pass.image(&read.stack)).collect();
+        // The sky has light of its own where the picture is empty.
+        let black: Vec<Vec<usize>> = images.iter().map(|image| black_ones(&empty, image)).collect();
         let extras = Extras { rows: rows(Need::from(&read.stack))?, passes: &images };
         let mut reconstruction = reconstruct_freeing(&mut read.stack, &settings, extras, progress)?;
         drop(images);
         if settings.method.is_collaborative() && (then.output || then.guide) {
             read.stack = read_again(read_all, &read.stack, noisy)?;
         }
-        for (pass, rebuilt) in passes.iter().zip(std::mem::take(&mut reconstruction.passes)) {
+        for ((pass, mut rebuilt), black) in passes.iter().zip(std::mem::take(&mut reconstruction.passes)).zip(&black) {
+            blacken(&mut rebuilt, black);
             pass.replace(&mut read.stack, rebuilt);
         }
         let mix = |guide: Guide| guide.mix(&read.stack, &mut reconstruction, &settings, progress);
         let followed = guide.map(mix).transpose()?;
+        blacken(&mut reconstruction.picture, &empty);
         progress.finish();
         let written = Written {
             picture: &reconstruction.picture,
@@ -139,6 +145,27 @@ fn read_again(
         return Err(usage("the input is no longer what it was when it was denoised: leave it as it is until the end"));
     }
     Ok(stack)
+}
+
+/// Pixels without a trace of anything, where the stack tells by its alpha: what is not there has no light, and any that was spread
+/// into it would be a fringe once the picture lies before another.
+fn empty_pixels(stack: &FeatureStack, beauty: &Image) -> Vec<usize> {
+    let Some(alpha) = stack.passthrough.iter().find(|channel| channel.name == "A") else { return Vec::new() };
+    let clear: Vec<usize> = (0..stack.size().pixels()).filter(|&pixel| alpha.value(pixel) == 0.0).collect();
+    black_ones(&clear, beauty)
+}
+
+/// Those of `pixels` that are black in `picture`.
+fn black_ones(pixels: &[usize], picture: &Image) -> Vec<usize> {
+    let is_black = |pixel: &usize| picture.channels().iter().all(|plane| plane[*pixel] == 0.0);
+    pixels.iter().copied().filter(is_black).collect()
+}
+
+/// Makes `pixels` of `picture` black.
+fn blacken(picture: &mut Image, pixels: &[usize]) {
+    for plane in picture.channels_mut() {
+        pixels.iter().for_each(|&pixel| plane[pixel] = 0.0);
+    }
 }
 
 /// Refuses a file of ours that holds the picture alone.

@@ -323,6 +323,17 @@ fn views_and_view_layers_keep_their_layers_to_themselves() {
 }
 
 #[test]
+fn alpha_goes_with_the_picture_whatever_that_was_called() {
+    let folder = Files::new();
+    let names = ["Combined.R", "Combined.G", "Combined.B", "Combined.A"].map(|name| format!("ViewLayer.{name}"));
+    let names = names.each_ref().map(String::as_str);
+    let read = read(&folder.half("a.exr", &names, &noise, &[("BlenderMultiChannel", text(""))]));
+    let plane = |name: &str| read.stack.passthrough.iter().find(|c| c.name == name).unwrap();
+    assert_eq!(plane("A").samples, plane("ViewLayer.Combined.A").samples);
+    assert_eq!(plane("A").value(5), noise("ViewLayer.Combined.A", 5));
+}
+
+#[test]
 fn old_blender_wrote_a_variance_of_samples() {
     let folder = Files::new();
     let mut channels =

@@ -8,7 +8,7 @@ use super::independence::check_independent;
 use super::loaded::{Loaded, Plane, mend_all};
 use super::role::Role;
 use super::write::may_write;
-use super::{FileError, ReadStack};
+use super::{FileError, Found, Passthrough, ReadStack};
 use crate::{
     Component, ComponentRole, Dealing, Estimate, Feature, FeatureRole, FeatureStack, Image, Noise, SampleCounts,
 };
@@ -160,6 +160,17 @@ fn counts_of(renders: &[Loaded], given: &[u32]) -> SampleCounts {
     SampleCounts::per_pixel(planes)
 }
 
+/// The output's picture is bare `R G B`, whatever it was called: so its alpha must be `A`, or it is nobody's.
+fn add_bare_alpha(passthrough: &mut Vec<Passthrough>, found: &Found) {
+    let Some(alpha) = found.roles.iter().find(|role| role.role == Role::Alpha.name()) else { return };
+    if passthrough.iter().any(|channel| channel.name == "A") {
+        return;
+    }
+    let own = passthrough.iter().find(|channel| alpha.channels.contains(&channel.name));
+    let bare = own.map(|own| Passthrough { name: "A".into(), samples: own.samples.clone() });
+    passthrough.extend(bare);
+}
+
 fn finish(render: Loaded, samples: SampleCounts, estimates: Vec<(Role, Estimate)>) -> ReadStack {
     let Loaded { mut found, rest, spp, .. } = render;
     let (mut components, mut features) = (Vec::new(), Vec::new());
@@ -175,6 +186,7 @@ fn finish(render: Loaded, samples: SampleCounts, estimates: Vec<(Role, Estimate)
     let mut passthrough = rest.channels;
     let names: Vec<String> = passthrough.iter().filter(|c| may_write(&c.name)).map(|c| c.name.clone()).collect();
     passthrough.retain(|channel| !may_write(&channel.name));
+    add_bare_alpha(&mut passthrough, &found);
     if !names.is_empty() {
         found.remarks.push(format!("not kept, since the output has channels of these names: {}", names.join(" ")));
     }
