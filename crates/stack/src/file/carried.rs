@@ -1,6 +1,7 @@
 //! What a file says beside its pixels, kept for the file that is made of it.
 
 use exr::meta::header::ImageAttributes;
+use exr::meta::header::standard_names::ALL;
 use exr::prelude::{AttributeValue, IntegerBounds, LayerAttributes, Text, Vec2};
 
 use super::exr_text::{decoded, encoded};
@@ -13,6 +14,8 @@ use crate::{Size, Window};
 pub struct Carried {
     image: Option<ImageAttributes>,
     layer: LayerAttributes,
+    /// Names of attributes that no file may have.
+    refused: Vec<String>,
 }
 
 impl Carried {
@@ -29,7 +32,25 @@ impl Carried {
             layer.world_to_camera = layer.world_to_camera.or(part.world_to_camera);
             layer.view_name = layer.view_name.filter(|name| Some(name) == part.view_name.as_ref());
         }
-        Self { image: Some(image), layer }
+        let mut kept = Self { image: Some(image), layer, refused: Vec::new() };
+        kept.refuse_misused_names();
+        kept
+    }
+
+    /// Lets go of attributes with a name of the format's own that are of another type than it demands (frames per second as
+    /// one number): with them no file can be written.
+    fn refuse_misused_names(&mut self) {
+        let image = self.image.iter_mut().map(|image| &mut image.other);
+        for attributes in image.chain([&mut self.layer.other]) {
+            for name in ALL.iter().map(|name| encoded(&String::from_utf8_lossy(name))) {
+                self.refused.extend(attributes.remove(&name).map(|_| decoded(name.bytes())));
+            }
+        }
+    }
+
+    /// Names of attributes that are not carried along.
+    pub(super) fn refused(&self) -> &[String] {
+        &self.refused
     }
 
     /// Takes the text attribute `name` out.

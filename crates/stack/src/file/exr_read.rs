@@ -307,6 +307,9 @@ pub(super) fn understand(path: &Path, action: Action, error: exr::error::Error) 
         Error::NotSupported(what) => {
             FileError::Unsupported { path: path.into(), what: what.into_owned(), remedy: "convert the file first" }
         }
+        Error::Invalid(reason) if action == Action::Write => {
+            FileError::io(path, action, std::io::Error::other(reason.into_owned()))
+        }
         Error::Invalid(reason) => broken(path, &reason),
         Error::Aborted => broken(path, "reading stopped"),
     }

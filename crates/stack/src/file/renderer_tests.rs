@@ -323,6 +323,24 @@ fn views_and_view_layers_keep_their_layers_to_themselves() {
 }
 
 #[test]
+fn attributes_that_no_file_may_have_cost_no_picture() {
+    let folder = Files::new();
+    let attributes = [("framesPerSecond", AttributeValue::F32(24.0)), ("shot", text("12"))];
+    let mut layers = Layers::read(&folder.exr("a.exr", &["R", "G", "B"], &noise, &attributes[1..])).unwrap();
+    layers.carried = Carried::new(
+        exr::prelude::ImageAttributes::with_size((SIZE.width, SIZE.height)),
+        [exr::prelude::LayerAttributes {
+            other: attributes.iter().map(|(name, value)| (exr::prelude::Text::from(*name), value.clone())).collect(),
+            ..exr::prelude::LayerAttributes::default()
+        }],
+    );
+    assert_eq!(layers.carried.refused(), ["framesPerSecond"]);
+    let path = folder.path("b.exr");
+    layers.write(&path).unwrap();
+    assert_eq!(Layers::read(&path).unwrap().carried.text("shot").unwrap(), "12");
+}
+
+#[test]
 fn alpha_goes_with_the_picture_whatever_that_was_called() {
     let folder = Files::new();
     let names = ["Combined.R", "Combined.G", "Combined.B", "Combined.A"].map(|name| format!("ViewLayer.{name}"));

@@ -190,6 +190,10 @@ fn finish(render: Loaded, samples: SampleCounts, estimates: Vec<(Role, Estimate)
     if !names.is_empty() {
         found.remarks.push(format!("not kept, since the output has channels of these names: {}", names.join(" ")));
     }
+    if !rest.carried.refused().is_empty() {
+        let names = rest.carried.refused().join(" ");
+        found.remarks.push(format!("not kept, since OpenEXR has another type for attributes of these names: {names}"));
+    }
     let (window, film) = (rest.window, rest.film);
     let stack =
         FeatureStack { window, film, samples, components, indirect: None, gathered: None, features, passthrough };
