@@ -340,6 +340,18 @@ fn attributes_that_no_file_may_have_cost_no_picture() {
     assert_eq!(Layers::read(&path).unwrap().carried.text("shot").unwrap(), "12");
 }
 
+/// Where one half does not say how many samples it has, the other's number is not the picture's.
+#[test]
+fn halves_of_which_one_says_its_samples_count_alike() {
+    let folder = Files::new();
+    let half = |name: &str, attributes: &[(&str, AttributeValue)]| {
+        folder.exr(name, &["R", "G", "B"], &|channel, pixel| noise(&format!("{name}{channel}"), pixel), attributes)
+    };
+    let halves = [half("a.exr", &[("samplesPerPixel", AttributeValue::I32(16))]), half("b.exr", &[])];
+    let read = read_inputs(&Inputs::Halves(halves, Vec::new()), &ReadOptions::default()).unwrap();
+    assert_eq!((read.found.spp, read.stack.samples.total[0]), (None, 2));
+}
+
 #[test]
 fn alpha_goes_with_the_picture_whatever_that_was_called() {
     let folder = Files::new();

@@ -99,7 +99,11 @@ pub fn several(
         .map(|render| render.planes.drain(..).map(|plane| (plane.role, plane.mean)).collect())
         .collect();
     join_emission(&mut means);
-    let first = renders.swap_remove(0);
+    let mut first = renders.swap_remove(0);
+    if given.len() != paths.len() && renders.iter().any(|render| render.spp.is_none()) {
+        // They count alike then, and what the first says is not how many there are.
+        first.spp = None;
+    }
     let roles: Vec<Role> = means[0].iter().map(|(role, _)| *role).collect();
     let mut estimates = Vec::new();
     for role in roles {
