@@ -73,7 +73,12 @@ impl Task<'_> {
         let options = ReadOptions { leave_out, ..self.wishes.reading.clone() };
         let then = Afterwards { output: outputs.need_inputs(), guide: self.wishes.guide.is_some() };
         let rows = |need: Need| {
-            rows_at_once(self.rebuild.max_memory.as_ref(), need.with_passes(self.wishes.also.len()), settings.method, then)
+            rows_at_once(
+                self.rebuild.max_memory.as_ref(),
+                need.with_passes(self.wishes.also.len()),
+                settings.method,
+                then,
+            )
         };
         // What is too large is refused before a pixel is read.
         let told = if options.leave_out.is_empty() { told } else { survey(&self.inputs, &options)? };

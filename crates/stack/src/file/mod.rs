@@ -53,6 +53,7 @@ mod role;
 #[cfg(test)]
 mod round_trip;
 mod same_window;
+mod shared_noise;
 mod slices;
 mod slot_names;
 mod sources;

@@ -7,11 +7,16 @@ use super::emission::split_emission;
 use super::independence::check_independent;
 use super::loaded::{Loaded, Plane, mend_all};
 use super::role::Role;
+use super::shared_noise::shares_noise;
 use super::write::may_write;
 use super::{FileError, Found, Passthrough, ReadStack};
 use crate::{
     Component, ComponentRole, Dealing, Estimate, Feature, FeatureRole, FeatureStack, Image, Noise, SampleCounts,
 };
+
+/// What is said where [`shares_noise`].
+const SHARED_NOISE: &str = "neighbouring pixels share their noise, as after a pixel filter wider than a pixel, so that less of it \
+                            is taken off: render with a box filter, or one that is sampled";
 
 /// The stack of one render; what is known about its noise is in its own files.
 pub fn alone(render: Loaded) -> ReadStack {
@@ -19,6 +24,9 @@ pub fn alone(render: Loaded) -> ReadStack {
     mend_all(&mut renders);
     let [mut render] = renders;
     let samples = counts_alone(&mut render);
+    if shares_noise(&render) {
+        render.found.remarks.push(SHARED_NOISE.into());
+    }
     let mut planes = std::mem::take(&mut render.planes);
     split_emission(&mut planes, &mut render.found.remarks);
     let mut estimates = Vec::new();
