@@ -172,6 +172,7 @@ pub const RENDERERS: &[Renderer] = &[
         name: "RenderMan",
         signs: &[
             Sign::Attribute("rman", ""),
+            Sign::Attribute("prman", ""),
             Sign::Attribute("software", "RenderMan"),
             Sign::Layers(&["albedomse"]),
             Sign::Layers(&["normalmse"]),
@@ -185,10 +186,63 @@ pub const RENDERERS: &[Renderer] = &[
             (NORMAL, &["normal", "nworld", "nn"]),
             (DEPTH, &["zfiltered", "z"]),
             (Role::Samples, &["samplecount"]),
+            (Role::Alpha, &["a"]),
         ],
         // Statistics `mse` and `variance` of a display channel.
         endings: &[("mse", OF_MEAN), ("var", OF_SAMPLE), ("variance", OF_SAMPLE)],
         noise: &[(Role::Colour, OF_MEAN, &["mse"]), (Role::Colour, OF_SAMPLE, &["var", "variance"])],
+        ..NOBODY
+    },
+    Renderer {
+        name: "V-Ray",
+        signs: &[
+            Sign::Attribute("vrayInfo", ""),
+            Sign::Layers(&["vraydiffusefilter"]),
+            Sign::Layers(&["vraynormals"]),
+            Sign::Layers(&["effectsresult"]),
+        ],
+        means: &[
+            // In Maya and in files of V-Ray itself elements are called without `VRay`; `diffuse` is the reflectance there.
+            (ALBEDO, &["vrayalbedo", "vraydiffusefilter", "diffusefilter", "diffuse"]),
+            (NORMAL, &["vraybumpnormals", "bumpnormals", "vraynormals", "normals"]),
+            (POSITION, &["vrayworldposition", "worldposition"]),
+            (DEPTH, &["vrayzdepth", "zdepth", "z"]),
+        ],
+        ..NOBODY
+    },
+    Renderer {
+        name: "Corona",
+        signs: &[
+            Sign::Attribute("corona", ""),
+            Sign::Layers(&["cshadingalbedo"]),
+            Sign::Layers(&["cshadingsourcecolor"]),
+            Sign::Layers(&["cgeometrynormalsshading"]),
+        ],
+        means: &[
+            (Role::Colour, &["beauty"]),
+            (POSITION, &["cgeometryworldposition"]),
+            (ALBEDO, &["cshadingalbedo", "cshadingsourcecolor"]),
+            (NORMAL, &["cgeometrynormalsshading", "cgeometrynormalsgeometry"]),
+            (DEPTH, &["cgeometryzdepth", "zdepth"]),
+        ],
+        ..NOBODY
+    },
+    Renderer {
+        name: "Redshift",
+        signs: &[
+            Sign::Attribute("redshift", ""),
+            // Octane calls it so, too.
+            Sign::Layers(&["diffusefilter", "gi"]),
+            Sign::Layers(&["diffusefilter", "p"]),
+            Sign::Layers(&["diffusefilter", "specularlighting"]),
+            Sign::Layers(&["diffusefilter", "diffuselighting"]),
+        ],
+        means: &[
+            (POSITION, &["worldposition", "p"]),
+            (ALBEDO, &["diffusefilter"]),
+            (NORMAL, &["bumpnormals", "normals", "n"]),
+            (DEPTH, &["z", "depth"]),
+        ],
         ..NOBODY
     },
     Renderer {
@@ -210,13 +264,24 @@ pub const RENDERERS: &[Renderer] = &[
 /// Names that anybody may use; they count where the renderer is unknown, or its own names are not there.
 pub const ANYBODY: Renderer = Renderer {
     means: &[
-        (Role::Colour, &["combined", "noisyimage", "noisy", "beauty", "rgba", "color", "colour", "rgb", "ci"]),
+        (Role::Colour, &["combined", "noisyimage", "noisy", "beauty", "rgba", "color", "colour", "rgb", "ci", "c"]),
         (Role::Emission, &["emission", "emissive", "emit"]),
         (POSITION, &["position", "worldposition", "pos", "p"]),
-        (ALBEDO, &["denoisingalbedo", "denoisealbedo", "albedo", "diffusealbedo"]),
+        (
+            ALBEDO,
+            &[
+                "denoisingalbedo",
+                "denoisealbedo",
+                "albedo",
+                "diffusealbedo",
+                "diffusefilter",
+                "diffusefilterinfo",
+                "basecolor",
+            ],
+        ),
         (NORMAL, &["denoisingnormal", "avgshadingnormal", "shadingnormal", "shnormal", "ns", "normal", "normals", "n"]),
         (VISIBILITY, &["visibility"]),
-        (DEPTH, &["denoisingdepth", "depth", "z"]),
+        (DEPTH, &["denoisingdepth", "depth", "z", "zdepth", "hitpz", "pz"]),
         (Role::Alpha, &["alpha"]),
         (Role::Samples, &["samplecount", "debugsamplecount", "samples", "spp"]),
     ],
@@ -238,6 +303,9 @@ pub const ANYBODY: Renderer = Renderer {
     ..NOBODY
 };
 
+/// Names that say what a layer is, but not what a file is: too many files are called so.
+pub const OF_LAYERS_ALONE: &[&str] = &["a", "c", "diffuse", "basecolor"];
+
 /// Words by which a layer is known when its whole name is not: it must contain one, and be the only one that does.
 pub const WORDS: &[(Role, &[&str])] = &[
     (POSITION, &["position", "worldpos"]),
@@ -258,6 +326,9 @@ pub const GEOMETRIC_WORDS: &[&str] = &["geometric", "geometry", "geo", "ng", "fa
 
 /// Names of the channels of a layer of three.
 pub const TRIPLES: &[[&str; 3]] = &[["R", "G", "B"], ["X", "Y", "Z"], ["Bin_0000", "Bin_0001", "Bin_0002"]];
+
+/// Other names of channels, as Redshift writes them: `P.red`.
+pub const LONG_NAMES: &[(&str, &str)] = &[("R", "red"), ("G", "green"), ("B", "blue"), ("A", "alpha")];
 
 /// Names of the channel of a layer of one, the first that is there; none is the layer's own name.
 pub const SINGLES: &[&str] = &["", "Y", "Z", "T", "V", "X", "R", "I", "A"];

@@ -131,6 +131,7 @@ pub(super) fn layer_name(channels: &[String]) -> String {
 fn with_article(renderer: &str) -> String {
     match renderer {
         "unknown" => "an unknown renderer's".into(),
+        name if name.starts_with(['A', 'E', 'I', 'O', 'U']) => format!("an {name}"),
         name => format!("a {name}"),
     }
 }

@@ -1,7 +1,7 @@
 //! The channels of a file, gathered into layers.
 
 use super::Layers;
-use super::alias::{BIN, SINGLES, TRIPLES};
+use super::alias::{BIN, LONG_NAMES, SINGLES, TRIPLES};
 
 /// Channels that stand on their own in front of the names of layers: those of the picture.
 const BARE: [&str; 5] = ["R", "G", "B", "A", "Y"];
@@ -49,7 +49,9 @@ impl LayerNames {
     }
 
     fn all(&self, wanted: &[&str]) -> Option<Vec<String>> {
-        let find = |w: &&str| self.suffixes.iter().find(|suffix| suffix.eq_ignore_ascii_case(w));
+        let named = |name: &str| self.suffixes.iter().find(|suffix| suffix.eq_ignore_ascii_case(name));
+        let long = |w: &str| LONG_NAMES.iter().find(|(short, _)| *short == w).and_then(|(_, long)| named(long));
+        let find = |w: &&str| named(w).or_else(|| long(w));
         wanted.iter().map(|w| find(w).map(|suffix| self.full(suffix))).collect()
     }
 

@@ -363,6 +363,44 @@ fn alpha_goes_with_the_picture_whatever_that_was_called() {
     assert_eq!(plane("A").value(5), noise("ViewLayer.Combined.A", 5));
 }
 
+/// Names that lists of passes in compositing scripts, and the manual of another denoiser, give.
+#[test]
+fn vray_corona_redshift_and_karma_are_known_by_their_layers() {
+    let folder = Files::new();
+    let roles = |names: &[&str], attributes: &[(&str, AttributeValue)]| {
+        let read = read(&folder.exr("a.exr", names, &noise, attributes));
+        (read.found.renderer.clone(), layers_of(&read))
+    };
+    let of = |layers: &[&str], suffixes: &[&str], more: &[&str]| -> Vec<String> {
+        let names = layers.iter().flat_map(|layer| suffixes.iter().map(move |suffix| format!("{layer}.{suffix}")));
+        names.chain(["R", "G", "B"].iter().chain(more).map(|name| (*name).into())).collect()
+    };
+    let told = |names: Vec<String>, attributes: &[(&str, AttributeValue)]| {
+        roles(&names.iter().map(String::as_str).collect::<Vec<_>>(), attributes)
+    };
+    let rgb = ["R", "G", "B"];
+    let (renderer, found) =
+        told(of(&["diffuse", "bumpNormals", "lighting"], &rgb, &["zdepth"]), &[("vrayInfo/renderlayer", text("a"))]);
+    assert_eq!(
+        (&*renderer, &found[..]),
+        ("V-Ray", &["colour=R G B", "albedo=diffuse", "normal=bumpNormals", "depth=zdepth"].map(String::from)[..])
+    );
+    let corona = ["CShading_SourceColor", "CGeometry_NormalsShading", "CGeometry_WorldPosition"];
+    let (renderer, found) = told(of(&corona, &rgb, &[]), &[]);
+    assert_eq!(renderer, "Corona");
+    assert_eq!(
+        found[1..],
+        ["position=CGeometry_WorldPosition", "albedo=CShading_SourceColor", "normal=CGeometry_NormalsShading"]
+    );
+    let (renderer, found) =
+        told(of(&["Beauty", "DiffuseFilter", "P", "Shadows"], &["red", "green", "blue"], &["Z"]), &[]);
+    assert_eq!(renderer, "Redshift");
+    assert_eq!(found, ["colour=R G B", "position=P", "albedo=DiffuseFilter", "depth=Z"]);
+    let (_, found) =
+        roles(&["C.R", "C.G", "C.B", "C.A", "albedo.R", "albedo.G", "albedo.B", "N.X", "N.Y", "N.Z", "hitPz"], &[]);
+    assert_eq!(found, ["colour=C", "albedo=albedo", "normal=N", "depth=hitPz", "alpha=C"]);
+}
+
 #[test]
 fn old_blender_wrote_a_variance_of_samples() {
     let folder = Files::new();

@@ -1,6 +1,6 @@
 //! What a name alone says about a file or layer, whoever wrote it.
 
-use super::alias::{ANYBODY, RENDERERS};
+use super::alias::{ANYBODY, OF_LAYERS_ALONE, RENDERERS};
 use super::layer_list::normalise;
 use super::role::{Measure, Slot};
 
@@ -8,6 +8,9 @@ use super::role::{Measure, Slot};
 /// be something else.
 pub(super) fn slot_of(name: &str) -> Option<Option<Slot>> {
     let key = normalise(name);
+    if OF_LAYERS_ALONE.contains(&key.as_str()) {
+        return None;
+    }
     let tables = || RENDERERS.iter().chain([&ANYBODY]);
     let mean = tables().find_map(|table| {
         let (role, _) = table.means.iter().find(|(_, names)| names.contains(&key.as_str()))?;
