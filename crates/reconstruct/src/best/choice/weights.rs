@@ -22,7 +22,7 @@ const TRAINED: &str = include_str!("weights.txt");
 /// The network that comes along, where the settings ask for it.
 ///
 /// # Errors
-/// As [`trained`].
+/// When the weights that come along are damaged.
 pub fn chooser_of(settings: &ChoiceSettings) -> Result<Option<Chooser>, WeightsError> {
     settings.learned.then(trained).transpose()
 }
