@@ -296,9 +296,6 @@ pub struct DenoiseArgs {
     /// Another denoiser's picture of the same stack (.exr, .pfm, .hdr), mixed in where it is likely to be nearer to the truth.
     #[arg(long, value_name = "FILE", conflicts_with = "also", help_heading = "Picture")]
     pub guide: Option<PathBuf>,
-    /// What it was called, where `guide` is the copy of a pipe.
-    #[arg(skip)]
-    pub guide_name: Option<PathBuf>,
     /// Layers of light that the file carries along (passes, groups of lights), comma-separated: rebuilt with the weights
     /// of the picture, so that they still add up to it, and written under their own names.
     #[arg(long, value_name = "LIST", value_delimiter = ',')]

@@ -58,6 +58,11 @@ impl Spool {
         Ok(format!("{role}{}", there.display()))
     }
 
+    /// What the user called the input that can be read at `there`.
+    pub fn name_of<'a>(&'a self, there: &'a Path) -> &'a Path {
+        self.moved.iter().find(|(_, moved)| moved == there).map_or(there, |(name, _)| name)
+    }
+
     /// What the user called the first input that was stored.
     pub fn first_name(&self) -> Option<String> {
         self.moved.first().map(|(name, _)| shown(name))
@@ -137,6 +142,7 @@ mod tests {
         let mut spool = Spool::default();
         let there = spool.path(Path::new("/dev/null")).unwrap();
         assert_eq!(spool.first_name().unwrap(), "/dev/null");
+        assert_eq!([&there, Path::new("a.exr")].map(|path| spool.name_of(path)), ["/dev/null", "a.exr"].map(Path::new));
         let error = || stack::file::FileError::Folder { path: there.clone() };
         let named = spool.naming::<()>(Err(anyhow::Error::from(error()).context("--guide"))).unwrap_err();
         assert_eq!(format!("{named:#}"), "--guide: /dev/null: expected a file, found a folder");

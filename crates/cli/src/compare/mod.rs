@@ -35,12 +35,11 @@ pub fn run(args: &CompareArgs) -> Result<Verdict> {
 }
 
 fn run_on_files(args: &CompareArgs, spool: &mut Spool) -> Result<Verdict> {
+    let mask = args.mask.as_deref().map(|file| spool.path(file)).transpose()?;
     let mut read = |file: &Path| read_any_picture(&spool.path(file)?);
     let (picture, record) = read(&args.reference)?;
     let second = args.ref2.as_deref().map(&mut read).transpose()?;
-    let mask = args.mask.as_deref().map(|file| read_mask(&spool.path(file)?, picture.size())).transpose()?;
-    // Anew, for the mask's sake.
-    let mut read = |file: &Path| read_any_picture(&spool.path(file)?);
+    let mask = mask.map(|file| read_mask(&file, picture.size())).transpose()?;
     let reference = Reference {
         second: second.as_ref().map(|(picture, _)| picture),
         epsilon: args.epsilon,

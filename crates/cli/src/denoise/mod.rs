@@ -1,6 +1,7 @@
 //! `tamis denoise`: reconstructs existing stacks.
 
 mod batch;
+mod empty_pixels;
 mod task;
 
 use anyhow::Result;
@@ -22,7 +23,6 @@ pub fn run(mut args: DenoiseArgs, matches: &ArgMatches) -> Result<Verdict> {
         return Err(usage("denoise needs an output file: -o FILE"));
     }
     let mut spool = Spool::default();
-    args.guide_name.clone_from(&args.guide);
     store_pipes(&mut args, &mut spool)?;
     spool.naming(run_on_files(&args, matches, &spool))
 }
@@ -50,7 +50,8 @@ fn run_on_files(args: &DenoiseArgs, matches: &ArgMatches, spool: &Spool) -> Resu
         return batch::run(args, matches, &jobs);
     }
     let (rebuild, output) = (&args.rebuild, args.rebuild.output.clone());
-    run_one(Task { rebuild, matches, inputs: inputs(args), output, wishes: Wishes::of(args) })
+    let guide = args.guide.as_deref().map(|file| (file, spool.name_of(file)));
+    run_one(Task { rebuild, matches, inputs: inputs(args), output, wishes: Wishes { guide, ..Wishes::of(args) } })
 }
 
 /// Reconstructs the one stack of `task`.

@@ -12,6 +12,7 @@ use stack::file::{
 };
 use stack::{FeatureStack, GATHERED, INDIRECT, Image, Noise};
 
+use super::empty_pixels::EmptyPixels;
 use crate::args::{DenoiseArgs, OutputArgs, RebuildArgs};
 use crate::failure::usage;
 use crate::guide::{Followed, Guide};
@@ -20,6 +21,9 @@ use crate::output::{Outputs, Written};
 use crate::progress::Progress;
 use crate::report::{self, done_in, mean_radiance};
 use crate::settings::{Preset, Settings};
+
+/// What reads a stack anew.
+type ReadAgain<'a> = &'a dyn Fn() -> Result<ReadStack, FileError>;
 
 /// One stack to denoise.
 pub struct Task<'a> {
@@ -44,10 +48,9 @@ pub struct Wishes<'a> {
 }
 
 impl<'a> Wishes<'a> {
-    /// Those of `denoise`.
+    /// Those of `denoise` but for the guide.
     pub fn of(args: &'a DenoiseArgs) -> Self {
-        let guide = args.guide.as_deref().map(|file| (file, args.guide_name.as_deref().unwrap_or(file)));
-        Self { reading: args.reading.options(), require: &args.require, guide, also: &args.also }
+        Self { reading: args.reading.options(), require: &args.require, guide: None, also: &args.also }
     }
 }
 
@@ -90,26 +93,13 @@ impl Task<'_> {
         require(self.wishes.require, &read)?;
         let guide = self.wishes.guide.map(|names| Guide::read(names, read.stack.size())).transpose()?;
         let header = header_of(&read, &settings);
-        let beauty = read.stack.beauty();
-        let (noisy, empty) = (mean_radiance(&beauty), empty_pixels(&read.stack, &beauty));
-        drop(beauty);
-        let passes = passes(self.wishes.also, &read.stack)?;
-        let images: Vec<Image> = passes.iter().map(|pass| pass.image(&read.stack)).collect();
-        // The sky has light of its own where the picture is empty.
-        let black: Vec<Vec<usize>> = images.iter().map(|image| black_ones(&empty, image)).collect();
-        let extras = Extras { rows: rows(Need::from(&read.stack))?, passes: &images };
-        let mut reconstruction = reconstruct_freeing(&mut read.stack, &settings, extras, progress)?;
-        drop(images);
-        if settings.method.is_collaborative() && (then.output || then.guide) {
-            read.stack = read_again(read_all, &read.stack, noisy)?;
-        }
-        for ((pass, mut rebuilt), black) in passes.iter().zip(std::mem::take(&mut reconstruction.passes)).zip(&black) {
-            blacken(&mut rebuilt, black);
-            pass.replace(&mut read.stack, rebuilt);
-        }
+        let rows = rows(Need::from(&read.stack))?;
+        let again: Option<ReadAgain> = if then.output || then.guide { Some(&read_all) } else { None };
+        let Rebuilt { mut reconstruction, noisy, empty } =
+            self.reconstruct((&mut read.stack, again), &settings, rows, progress)?;
         let mix = |guide: Guide| guide.mix(&read.stack, &mut reconstruction, &settings, progress);
         let followed = guide.map(mix).transpose()?;
-        blacken(&mut reconstruction.picture, &empty);
+        empty.blacken(&mut reconstruction.picture);
         progress.finish();
         let written = Written {
             picture: &reconstruction.picture,
@@ -136,41 +126,49 @@ impl Task<'_> {
         };
         Ok(outcome.json(progress))
     }
+
+    /// Rebuilds `stack`, `rows` at once in the second pass. It is freed meanwhile; where something needs it then, it is read
+    /// `again`, with the passes that were rebuilt in the place of the noisy ones.
+    fn reconstruct(
+        &self,
+        (stack, again): (&mut FeatureStack, Option<ReadAgain<'_>>),
+        settings: &reconstruct::Settings,
+        rows: usize,
+        progress: &Progress,
+    ) -> Result<Rebuilt> {
+        let passes = passes(self.wishes.also, stack)?;
+        let images: Vec<Image> = passes.iter().map(|pass| pass.image(stack)).collect();
+        let beauty = stack.beauty();
+        let (noisy, empty) = (mean_radiance(&beauty), EmptyPixels::of(stack, &beauty, &images));
+        drop(beauty);
+        let mut reconstruction = reconstruct_freeing(stack, settings, Extras { rows, passes: &images }, progress)?;
+        drop(images);
+        if let Some(read) = again.filter(|_| settings.method.is_collaborative()) {
+            *stack = read_again(read, stack, noisy)?;
+        }
+        let mut rebuilt = std::mem::take(&mut reconstruction.passes);
+        empty.blacken_passes(&mut rebuilt);
+        passes.iter().zip(rebuilt).for_each(|(pass, rebuilt)| pass.replace(stack, rebuilt));
+        Ok(Rebuilt { reconstruction, noisy, empty })
+    }
+}
+
+/// What a stack was rebuilt to.
+struct Rebuilt {
+    reconstruction: Reconstruction,
+    /// Mean radiance before.
+    noisy: f64,
+    empty: EmptyPixels,
 }
 
 /// The stack that `read` reads once more, for what is written of it or judged by it; `before` is as large, and its mean radiance
 /// was `noisy`. It takes more memory than all that is rebuilt, so it is freed meanwhile.
-fn read_again(
-    read: impl Fn() -> Result<ReadStack, FileError>,
-    before: &FeatureStack,
-    noisy: f64,
-) -> Result<FeatureStack> {
+fn read_again(read: ReadAgain<'_>, before: &FeatureStack, noisy: f64) -> Result<FeatureStack> {
     let stack = read()?.stack;
     if stack.size() != before.size() || mean_radiance(&stack.beauty()).to_bits() != noisy.to_bits() {
         return Err(usage("the input is no longer what it was when it was denoised: leave it as it is until the end"));
     }
     Ok(stack)
-}
-
-/// Pixels without a trace of anything, where the stack tells by its alpha: what is not there has no light, and any that was spread
-/// into it would be a fringe once the picture lies before another.
-fn empty_pixels(stack: &FeatureStack, beauty: &Image) -> Vec<usize> {
-    let Some(alpha) = stack.passthrough.iter().find(|channel| channel.name == "A") else { return Vec::new() };
-    let clear: Vec<usize> = (0..stack.size().pixels()).filter(|&pixel| alpha.value(pixel) == 0.0).collect();
-    black_ones(&clear, beauty)
-}
-
-/// Those of `pixels` that are black in `picture`.
-fn black_ones(pixels: &[usize], picture: &Image) -> Vec<usize> {
-    let is_black = |pixel: &usize| picture.channels().iter().all(|plane| plane[*pixel] == 0.0);
-    pixels.iter().copied().filter(is_black).collect()
-}
-
-/// Makes `pixels` of `picture` black.
-fn blacken(picture: &mut Image, pixels: &[usize]) {
-    for plane in picture.channels_mut() {
-        pixels.iter().for_each(|&pixel| plane[pixel] = 0.0);
-    }
 }
 
 /// Refuses a file of ours that holds the picture alone.
