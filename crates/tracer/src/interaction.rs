@@ -34,7 +34,26 @@ pub struct Interaction<'a> {
     pub material: &'a Material,
 }
 
-impl Interaction<'_> {
+impl<'a> Interaction<'a> {
+    /// A point that is where it is without error, on an even surface of unit normal `normal` without colours of vertices, seen
+    /// from along the normal.
+    pub(crate) fn facing(position: Vec3, normal: Vec3, material: &'a Material) -> Self {
+        Self {
+            position,
+            position_error: Vec3::ZERO,
+            geometric_normal: normal,
+            shading_normal: normal,
+            coat_normal: normal,
+            uv: Vec2::ZERO,
+            tint: Vec3::ONE,
+            outgoing: normal,
+            distance: 0.0,
+            time: 0.0,
+            emitter: None,
+            material,
+        }
+    }
+
     /// The triangle's unit normal, on the viewer's side.
     #[inline]
     pub(crate) fn facing_normal(&self) -> Vec3 {

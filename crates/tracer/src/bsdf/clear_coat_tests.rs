@@ -30,20 +30,8 @@ fn coated(material: &Material, cover: f32, roughness: f32) -> Material {
 
 /// The surface seen from `outgoing`; its shading normal and that of its coat are `normals`.
 fn seen(material: &Material, normals: [Vec3; 2], outgoing: Vec3) -> Bsdf {
-    Bsdf::at(&Interaction {
-        position: Vec3::ZERO,
-        position_error: Vec3::ZERO,
-        geometric_normal: Vec3::Z,
-        shading_normal: normals[0],
-        coat_normal: normals[1],
-        uv: Vec2::ZERO,
-        tint: Vec3::ONE,
-        outgoing,
-        distance: 1.0,
-        time: 0.0,
-        emitter: None,
-        material,
-    })
+    let facing = Interaction::facing(Vec3::ZERO, Vec3::Z, material);
+    Bsdf::at(&Interaction { shading_normal: normals[0], coat_normal: normals[1], outgoing, distance: 1.0, ..facing })
 }
 
 fn towards(cosine: f32) -> Vec3 {

@@ -333,19 +333,13 @@ mod tests {
     }
 
     fn seen(material: &Material, normals: [Vec3; 2], outgoing: Vec3) -> Bsdf {
+        let facing = Interaction::facing(Vec3::ZERO, normals[0], material);
         Bsdf::at(&Interaction {
-            position: Vec3::ZERO,
-            position_error: Vec3::ZERO,
-            geometric_normal: normals[0],
             shading_normal: normals[1],
             coat_normal: normals[1],
-            uv: Vec2::ZERO,
-            tint: Vec3::ONE,
             outgoing,
             distance: 1.0,
-            time: 0.0,
-            emitter: None,
-            material,
+            ..facing
         })
     }
 

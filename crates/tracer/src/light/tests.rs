@@ -36,20 +36,7 @@ const FLOOR_POINT: Vec3 = Vec3::new(0.1, 0.0, -0.2);
 
 /// A point of a floor facing up.
 pub(super) fn floor_point(material: &Material) -> Interaction<'_> {
-    Interaction {
-        position: FLOOR_POINT,
-        position_error: Vec3::ZERO,
-        geometric_normal: Vec3::Y,
-        shading_normal: Vec3::Y,
-        coat_normal: Vec3::Y,
-        uv: Vec2::ZERO,
-        tint: Vec3::ONE,
-        outgoing: Vec3::Y,
-        distance: 1.0,
-        time: 0.0,
-        emitter: None,
-        material,
-    }
+    Interaction { distance: 1.0, ..Interaction::facing(FLOOR_POINT, Vec3::Y, material) }
 }
 
 /// Density of all lights together in `direction`, found by following a ray.

@@ -33,18 +33,8 @@ pub(super) fn sample(
 pub(super) fn point<'a>(light: &EmissiveTriangle, material: &'a Material, u: Vec2) -> (Interaction<'a>, Vec3) {
     let weights = sample_triangle(u);
     let point = Interaction {
-        position: weighted(weights, light.vertices),
         position_error: rounding(weights, light.vertices),
-        geometric_normal: light.normal,
-        shading_normal: light.normal,
-        coat_normal: light.normal,
-        uv: Vec2::ZERO,
-        tint: Vec3::ONE,
-        outgoing: light.normal,
-        distance: 0.0,
-        time: 0.0,
-        emitter: None,
-        material,
+        ..Interaction::facing(weighted(weights, light.vertices), light.normal, material)
     };
     (point, radiance(light, material, weights))
 }

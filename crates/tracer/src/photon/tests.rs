@@ -58,20 +58,7 @@ fn the_map_finds_all_photons_near_a_point_on_its_surface() {
     let material = Material::new("m", Surface::Diffuse { reflectance: Colour::constant(Vec3::ONE) }, Vec3::ZERO);
     let photon = |(u, z): (Vec2, f32)| {
         let normal = if z < 0.5 { Vec3::Z } else { Vec3::X };
-        let hit = Interaction {
-            position: u.extend(0.05 * z),
-            position_error: Vec3::ZERO,
-            geometric_normal: normal,
-            shading_normal: normal,
-            coat_normal: normal,
-            uv: Vec2::ZERO,
-            tint: Vec3::ONE,
-            outgoing: normal,
-            distance: 1.0,
-            time: 0.0,
-            emitter: None,
-            material: &material,
-        };
+        let hit = Interaction { distance: 1.0, ..Interaction::facing(u.extend(0.05 * z), normal, &material) };
         Photon::new(&hit, Vec3::splat(z), 1.0, 1)
     };
     for count in [0, 1, 8, 9, 1000] {

@@ -97,11 +97,7 @@ pub(super) fn emitters_of<'a>(
             vertices,
             normal,
             area: (0.5 * cross.length()) as f32,
-            radiance: if is_tinted(mesh, material) {
-                tint * material.emission.mean()
-            } else {
-                material.emission.mean()
-            },
+            radiance: tint * material.emission.mean(),
             tints,
             uvs: mesh.mesh.corner_uvs(t as u32),
             material: index,

@@ -113,7 +113,7 @@ struct One<'a> {
     set: u32,
 }
 
-impl Reader<'_> {
+impl<'a> Reader<'a> {
     fn material(&mut self, one: One) -> Material {
         if let Some(written) = self.glossiness(&one) {
             return self.glossy_material(one, &written);
@@ -163,12 +163,8 @@ impl Reader<'_> {
     }
 
     fn glossy_material(&mut self, one: One, written: &WrittenGlossiness) -> Material {
-        let document = self.document;
-        let mut placed = |info: &Option<json::texture::Info>| {
-            let info = info.as_ref()?;
-            self.found(&one, |_| PlacedTexture::of_extension(info, document))
-        };
-        let (diffuse, specular) = (placed(&written.diffuse_texture), placed(&written.specular_glossiness_texture));
+        let [diffuse, specular] = [&written.diffuse_texture, &written.specular_glossiness_texture]
+            .map(|info| self.placed_by_extension(&one, info.as_ref()?));
         let [red, green, blue, alpha] = written.diffuse_factor;
         let base = self.colour(&one, Vec3::new(red, green, blue), diffuse.clone());
         let coat = self.colour(&one, Vec3::from(written.specular_factor), specular.clone());
@@ -239,7 +235,8 @@ impl Reader<'_> {
             return None;
         }
         let mut number = |factor: f32, texture: Option<&json::texture::Info>, channel| {
-            let texture = texture.and_then(|info| self.extension_texture(one, info));
+            let placed = texture.and_then(|info| self.placed_by_extension(one, info));
+            let texture = placed.and_then(|placed| self.place(one, &placed));
             let texture = texture.and_then(|texture| self.found(one, |files| files.greys(&texture, channel)));
             Grey { factor: factor.clamp(0.0, 1.0), texture }
         };
@@ -254,10 +251,9 @@ impl Reader<'_> {
         Some(ClearCoat { cover, roughness, normals })
     }
 
-    fn extension_texture(&mut self, one: &One, info: &json::texture::Info) -> Option<TextureUse> {
+    fn placed_by_extension(&mut self, one: &One, info: &json::texture::Info) -> Option<PlacedTexture<'a>> {
         let document = self.document;
-        let placed = self.found(one, |_| PlacedTexture::of_extension(info, document))?;
-        self.place(one, &placed)
+        self.found(one, |_| PlacedTexture::of_extension(info, document))
     }
 
     fn colour(&mut self, one: &One, factor: Vec3, placed: Option<PlacedTexture>) -> Colour {

@@ -36,6 +36,14 @@ fn numbers<const N: usize>(accessor: &Accessor, buffers: &Buffers, normalised: b
     elements(accessor, buffers, [0.0; N], |bytes| std::array::from_fn(|i| number(&bytes[i * size..], kind, normalised)))
 }
 
+/// Checks that there is one of `what` for each of the `vertices`.
+///
+/// # Errors
+/// In words, when there is not.
+pub(super) fn as_many(what: &str, count: usize, vertices: usize) -> Result<(), String> {
+    if count == vertices { Ok(()) } else { Err(format!("{count} {what}s for {vertices} positions")) }
+}
+
 /// The elements of `accessor`, of `N` whole numbers each.
 ///
 /// # Errors

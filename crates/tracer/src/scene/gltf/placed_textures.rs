@@ -67,8 +67,7 @@ impl<'a> PlacedTexture<'a> {
     }
 
     fn moved(self, transform: &json::extensions::texture::TextureTransform) -> Self {
-        let (map, offset) = upwards(transform.scale.0, transform.rotation.0, transform.offset.0);
-        Self { set: transform.tex_coord.unwrap_or(self.set), map, offset, ..self }
+        self.laid_out(upwards(transform.scale.0, transform.rotation.0, transform.offset.0), transform.tex_coord)
     }
 
     /// What `info` says.
@@ -81,8 +80,12 @@ impl<'a> PlacedTexture<'a> {
     }
 
     fn transformed(self, transform: &TextureTransform) -> Self {
-        let (map, offset) = upwards(transform.scale(), transform.rotation(), transform.offset());
-        Self { set: transform.tex_coord().unwrap_or(self.set), map, offset, ..self }
+        self.laid_out(upwards(transform.scale(), transform.rotation(), transform.offset()), transform.tex_coord())
+    }
+
+    /// Laid out by `map` and `offset`, and by another set of coordinates where one is named.
+    fn laid_out(self, (map, offset): (Mat2, Vec2), set: Option<u32>) -> Self {
+        Self { set: set.unwrap_or(self.set), map, offset, ..self }
     }
 
     /// The image, for `files` to read; one that lies in the file itself is given to them.

@@ -7,7 +7,7 @@ use gltf::{Node, Semantic};
 use super::super::Mesh;
 use super::buffers::Buffers;
 use super::materials::Needs;
-use super::numbers::{shares, vectors, whole_vectors};
+use super::numbers::{as_many, shares, vectors, whole_vectors};
 use super::primitives::read_mesh;
 
 /// What moves the vertices of a mesh.
@@ -145,8 +145,4 @@ fn skin(
 pub(super) fn turned(normal: DVec3, matrix: DMat3) -> DVec3 {
     let [x, y, z] = [matrix.x_axis, matrix.y_axis, matrix.z_axis];
     (normal.x * y.cross(z) + normal.y * z.cross(x) + normal.z * x.cross(y)).normalize_or_zero()
-}
-
-fn as_many(what: &str, count: usize, vertices: usize) -> Result<(), String> {
-    if count == vertices { Ok(()) } else { Err(format!("{count} {what}s for {vertices} positions")) }
 }

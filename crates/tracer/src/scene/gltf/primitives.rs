@@ -13,7 +13,7 @@ use super::super::Mesh;
 use super::super::notes::Notes;
 use super::buffers::Buffers;
 use super::materials::Needs;
-use super::numbers::{indices, shares, vectors};
+use super::numbers::{as_many, indices, shares, vectors};
 use super::poses::Pose;
 
 /// The meshes of `document`, each with all its primitives. `needs` tells what each material has to be told; the last two are
@@ -76,10 +76,6 @@ fn read_primitive(primitive: &Primitive, buffers: &Buffers, needs: &[Needs], pos
     let default = needs.len() - if colours.is_empty() { 2 } else { 1 };
     let material = primitive.material().index().unwrap_or(default);
     let vertices = positions.len();
-    let as_many = |what: &str, count: usize| match count == vertices {
-        true => Ok(()),
-        false => Err(format!("{count} {what}s for {vertices} positions")),
-    };
     let mut normals: Vec<Vec3> = match primitive.get(&Semantic::Normals) {
         Some(normals) => {
             vectors::<3>(&normals, buffers)?.into_iter().map(|n| Vec3::from(n).normalize_or_zero()).collect()
@@ -87,7 +83,7 @@ fn read_primitive(primitive: &Primitive, buffers: &Buffers, needs: &[Needs], pos
         None => Vec::new(),
     };
     if !normals.is_empty() {
-        as_many("normal", normals.len())?;
+        as_many("normal", normals.len(), vertices)?;
     }
     pose.take(primitive, buffers, &mut positions, &mut normals)?;
     let uvs: Vec<Vec2> = match primitive.get(&Semantic::TexCoords(needs[material].set)) {
@@ -96,10 +92,10 @@ fn read_primitive(primitive: &Primitive, buffers: &Buffers, needs: &[Needs], pos
         None => Vec::new(),
     };
     if !uvs.is_empty() {
-        as_many("texture coordinate", uvs.len())?;
+        as_many("texture coordinate", uvs.len(), vertices)?;
     }
     if !colours.is_empty() {
-        as_many("vertex colour", colours.len())?;
+        as_many("vertex colour", colours.len(), vertices)?;
     }
     let corners = match primitive.indices() {
         Some(accessor) => indices(&accessor, buffers)?,
