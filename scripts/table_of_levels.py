@@ -10,8 +10,9 @@ in its folder when the experiment runs; `python scripts/guide_stacks.py FOLDERâ€
 """
 
 import argparse
-import math
 import sys
+
+import tables
 
 METHODS = ["best", "nfor", "wlr", "apr", "paper"]
 OIDN = "oidn"
@@ -20,22 +21,12 @@ OIDN = "oidn"
 def read_rows(path):
     """Cross rMSE, trimmed and energy by (stack, level, method), and levels and stacks in their order."""
     found = {}
-    try:
-        with open(path, encoding="utf-8") as file:
-            lines = file.read().splitlines()
-    except OSError as error:
-        sys.exit(f"{path}: {error.strerror}")
-    for line in lines:
-        cells = [cell.strip() for cell in line.strip().strip("|").split("|")]
+    for cells in tables.lines_of_cells(path):
         if len(cells) == 7 and cells[2] in [*METHODS, OIDN]:
             found[tuple(cells[:3])] = tuple(float(cell) for cell in cells[3:6])
     if not found:
         sys.exit(f"{path}: expected the table of `tamis experiment degrade`")
     return found
-
-
-def geometric_mean(values):
-    return math.exp(sum(map(math.log, values)) / len(values))
 
 
 def ratios(found, stacks, level, method):
@@ -49,7 +40,7 @@ def ratios(found, stacks, level, method):
 
 
 def row(found, stacks, level):
-    means = [[geometric_mean(part) for part in ratios(found, stacks, level, method)] for method in METHODS]
+    means = [[tables.geometric_mean(part) for part in ratios(found, stacks, level, method)] for method in METHODS]
     cells = [" / ".join(f"{value:.3g}" for value in pair) for pair in means]
     worst = max(list(ratios(found, stacks, level, "best"))[1])
     energies = [found[stack, level, "best"][2] for stack in stacks]
@@ -66,12 +57,12 @@ def main():
     for stack in [stack for group in groups for stack in group if not any(key[0] == stack for key in found)]:
         sys.exit(f"{options.table}: no stack called {stack}")
     head = ["what is left", *METHODS, "best Ã· OIDN, worst stack, trimmed", "energy of best"]
-    print("| " + " | ".join(head) + " |\n|" + "---|" * len(head))
+    print(tables.head(head))
     for stacks in groups:
         # Stacks that know nothing of their noise have no row of the richer levels.
         levels = dict.fromkeys(key[1] for key in found if key[0] in stacks)
         for level in [level for level in levels if all((stack, level, "best") in found for stack in stacks)]:
-            print("| " + " | ".join(row(found, stacks, level)) + " |")
+            print(tables.line(row(found, stacks, level)))
 
 
 if __name__ == "__main__":

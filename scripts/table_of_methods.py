@@ -15,6 +15,8 @@ import math
 import re
 import sys
 
+import tables
+
 MEASURES = ["cross rMSE", "trimmed", "FLIP"]
 SHOWN = ["whole", "best"]
 JUDGED = ["best", "whole", "fast"]
@@ -26,13 +28,7 @@ RENDER = re.compile(r"(.+)-(\d+)spp-\d+$")
 def read_rows(path):
     """By stack and method: cross rMSE, trimmed, FLIP, energy."""
     found = {}
-    try:
-        with open(path, encoding="utf-8") as file:
-            lines = file.read().splitlines()
-    except OSError as error:
-        sys.exit(f"{path}: {error.strerror}")
-    for line in lines:
-        cells = [cell.strip() for cell in line.strip().strip("|").split("|")]
+    for cells in tables.lines_of_cells(path):
         if len(cells) == 8 and cells[1] in {"ld", "paper", *JUDGED, *RIVALS}:
             values = [math.nan if cell == "-" else float(cell) for cell in [*cells[2:5], cells[6]]]
             found.setdefault(cells[0], {})[cells[1]] = values
@@ -49,24 +45,20 @@ def over(methods, method, rivals, measure):
     return methods[method][measure] / min(error for error in errors if error > 0)
 
 
-def geometric_mean(values):
-    return math.exp(sum(map(math.log, values)) / len(values)) if min(values) > 0 else math.nan
-
-
 def ratio(value):
     return f"{value:.2f}".removeprefix("0")
 
 
 def cell(stacks, method, rivals, measures):
     """Errors of several measures, geometric means over the stacks."""
-    means = (geometric_mean([over(methods, method, rivals, measure) for methods in stacks]) for measure in measures)
+    means = (tables.geometric_mean([over(methods, method, rivals, measure) for methods in stacks]) for measure in measures)
     return " / ".join(ratio(mean) for mean in means)
 
 
 def print_table(head, rows):
-    print("| " + " | ".join(head) + " |\n|" + "---|" * len(head))
+    print(tables.head(head))
     for row in rows:
-        print("| " + " | ".join(row) + " |")
+        print(tables.line(row))
     print()
 
 

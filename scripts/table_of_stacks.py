@@ -19,6 +19,7 @@ import shlex
 import subprocess
 import sys
 
+import tables
 from measuring import call
 
 METHODS = ["best", "nfor", "wlr", "apr"]
@@ -100,10 +101,10 @@ def main():
     options = parse_options()
     os.makedirs(options.output, exist_ok=True)
     head = ["stack", "found", "noisy", *METHODS, "OIDN", "s", "B/px"]
-    print("| " + " | ".join(head) + " |\n|" + "---|" * len(head))
+    print(tables.head(head))
     for argument in options.stacks:
         stack, _, references = argument.partition("=")
-        print("| " + " | ".join(row(options, stack, references.split(",") if references else [])) + " |", flush=True)
+        print(tables.line(row(options, stack, references.split(",") if references else [])), flush=True)
 
 
 if __name__ == "__main__":
