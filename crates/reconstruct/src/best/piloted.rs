@@ -18,6 +18,7 @@ use super::recipe::Recipe;
 use super::second_pass::second_pass;
 use super::settings::FitSettings;
 use super::split::{Events, Layers, split};
+use super::spread::lines::{brightness_of_lines, with_lines};
 use super::spread::{spread, steadied};
 use crate::bands::image_rows;
 use crate::reconstruction::ReconstructError;
@@ -75,9 +76,10 @@ impl<'a> Piloted<'a> {
         let coloured = with_colour(features, &pilot, settings.colour.guide);
         let separating = coloured.as_ref().unwrap_or(features);
         let lit = with_share(&pilot, beside, settings.light.direct_spread);
-        let spread = spread(&events, &lit, separating, &settings.spread);
+        let lines = brightness_of_lines(&events, separating, &settings.spread);
+        let spread = spread(&events, &with_lines(&lit, &lines), separating, &settings.spread);
         drop(lit);
-        let light = steadied(spread.halves, &pilot, separating, &settings.spread, monitor)?;
+        let light = steadied(spread.halves, &with_lines(&pilot, &lines), separating, &settings.spread, monitor)?;
         pilot.add(&light);
         if let Some(parts) = parts {
             let kernel = EdgeAvoidingKernel::on_surfaces(separating, settings.cascade.feature_scale);

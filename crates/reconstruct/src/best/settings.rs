@@ -144,6 +144,11 @@ stack::knobs! {
         levels: usize = 6, 0..=10;
         /// Multiple of a blotch's variance that its square must exceed.
         significance: f32 = 2.0, 0.0..=1000.0;
+        /// Weight of the light of events along a line in the brightness by which all are spread: a thin highlight that few
+        /// samples met with. 0 looks for none.
+        lines: f32 = 2.0, 0.0..=100.0;
+        /// By how many deviations events along a line must exceed those that the surface around leads to expect.
+        lines_significance: f32 = 3.4, 0.0..=1000.0;
     }
 }
 
@@ -293,7 +298,7 @@ impl BestSettings {
         };
         Self {
             regression,
-            spread: SpreadSettings { levels: 0, ..self.spread },
+            spread: SpreadSettings { levels: 0, lines: 0.0, ..self.spread },
             cascade: CascadeSettings {
                 levels: self.cascade.levels.min(4),
                 parts: self.cascade.parts.min(2),

@@ -1,5 +1,6 @@
 //! Events spread over the pixels that resemble their own: their light is real, only its place is chance.
 
+pub mod lines;
 mod occurrences;
 
 use std::ops::Range;

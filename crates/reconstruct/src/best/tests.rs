@@ -9,6 +9,7 @@ use super::given::relative_noise;
 use super::halves::mean_of;
 use super::rebuild::rebuild;
 use super::recipe::Recipe;
+use super::settings::SpreadSettings;
 use super::split::LowLayer;
 use super::test_scene::{component, energy, error, flat, image, stack_of, walls};
 use super::*;
@@ -21,12 +22,15 @@ fn run(stack: &FeatureStack) -> Reconstruction {
 }
 
 fn with(stack: &FeatureStack, extras: Extras) -> Reconstruction {
-    let settings = BestSettings::default();
-    let features = clean_features(stack, &settings, &Silent).unwrap();
+    set(stack, &BestSettings::default(), extras)
+}
+
+fn set(stack: &FeatureStack, settings: &BestSettings, extras: Extras) -> Reconstruction {
+    let features = clean_features(stack, settings, &Silent).unwrap();
     let (component, chooser) = (Cow::Borrowed(&stack.components[0]), trained().unwrap());
     let (chooser, features) = (Some(&chooser), &features);
     let counts = &stack.samples;
-    let recipe = Recipe { counts, features, beside: None, settings: &settings, chooser, extras };
+    let recipe = Recipe { counts, features, beside: None, settings, chooser, extras };
     let found = rebuild(&recipe, component, &Silent).unwrap();
     let values = found.picture.channels().iter().flatten().chain(&found.mse);
     assert!(values.into_iter().all(|v| v.is_finite() && *v >= 0.0), "something is negative or not a number");
@@ -81,6 +85,27 @@ fn fireflies_keep_their_energy_and_lose_their_height() {
     assert!((energy(&found.picture) / energy(noisy) - 1.0).abs() < 0.03, "{}", energy(&found.picture) / energy(noisy));
     assert!(found.picture.channels().iter().flatten().all(|v| *v < 8.0), "fireflies were 100 high");
     assert!(found.marked >= 4);
+}
+
+#[test]
+fn a_thin_highlight_that_few_samples_met_with_is_no_haze() {
+    let clean = walls(SIZE);
+    let mut stack = stack_of(&clean, 150);
+    let stack::Noise::Buckets(mut buckets) = stack.components[0].radiance.noise.clone() else { unreachable!() };
+    // On the dark wall, in one bucket of each pixel.
+    let highlight = |i: usize| SIZE.index(6 + i / 3, 8 + i);
+    for i in 0..32 {
+        buckets[3 * i % 8].channels_mut().iter_mut().for_each(|plane| plane[highlight(i)] += 8.0);
+    }
+    stack.components = vec![component(buckets, &stack.samples)];
+    let above_the_wall = |lines: f32| {
+        let spread = SpreadSettings { lines, ..SpreadSettings::default() };
+        let settings = BestSettings { spread, ..BestSettings::default() };
+        let found = set(&stack, &settings, Extras::default()).picture;
+        (4..28).map(|i| found.rgb(highlight(i))[1] - clean.rgb(highlight(i))[1]).sum::<f32>() / 24.0
+    };
+    let [found, haze] = [2.0, 0.0].map(above_the_wall);
+    assert!(found > 1.3 * haze, "{found} with lines, {haze} without, and 1 in truth");
 }
 
 #[test]
