@@ -1,14 +1,8 @@
 //! What a layer is, by its values: for a renderer whose names are the user's.
 
 use super::layer_list::LayerNames;
-use super::moments::is_picture_with_moment;
-use super::recognise::Search;
-use super::role::Role;
 use super::{Layers, Passthrough};
 use crate::FeatureRole;
-
-/// Renderers whose layers are told by their values.
-const NAMES_ARE_THE_USERS: &str = "Mitsuba";
 
 /// Pixels looked at.
 const LOOKED_AT: usize = 4096;
@@ -16,24 +10,23 @@ const LOOKED_AT: usize = 4096;
 /// Share of the vectors of a normal that have unit length or none: at edges several surfaces share a pixel.
 const UNIT_SHARE: f64 = 0.6;
 
-/// Layers whose values fit `role`, when there is reason to go by values; `None` when a value tells nothing about it.
-pub fn by_value<'a>(search: &Search<'a>, role: Role) -> Option<Vec<&'a LayerNames>> {
-    if search.renderer.name != NAMES_ARE_THE_USERS {
-        return None;
-    }
-    let Role::Feature(feature) = role else { return None };
-    let free = search.list.iter().filter(|layer| search.is_free(layer) && !is_picture_with_moment(search.list, layer));
-    Some(match feature {
-        FeatureRole::Normal => free.filter(|layer| has_unit_vectors(search.layers, layer) == Some(true)).collect(),
-        FeatureRole::Position => free.filter(|layer| has_unit_vectors(search.layers, layer) == Some(false)).collect(),
+/// Those of the `free` layers of `layers` whose values fit `feature`; none where a value tells nothing about it.
+pub fn by_value<'a>(
+    layers: &Layers,
+    free: impl Iterator<Item = &'a LayerNames>,
+    feature: FeatureRole,
+) -> Vec<&'a LayerNames> {
+    match feature {
+        FeatureRole::Normal => free.filter(|layer| has_unit_vectors(layers, layer) == Some(true)).collect(),
+        FeatureRole::Position => free.filter(|layer| has_unit_vectors(layers, layer) == Some(false)).collect(),
         FeatureRole::Depth => free.filter(|layer| layer.has(&["T"])).collect(),
         FeatureRole::Albedo => {
             // A picture in parts has many layers of colours between 0 and 1: only one alone is taken for reflectance.
-            let all: Vec<_> = free.filter(|layer| is_reflectance(search.layers, layer)).collect();
+            let all: Vec<_> = free.filter(|layer| is_reflectance(layers, layer)).collect();
             if all.len() == 1 { all } else { Vec::new() }
         }
-        FeatureRole::Visibility | FeatureRole::Proximity | FeatureRole::Lit => return None,
-    })
+        FeatureRole::Visibility | FeatureRole::Proximity | FeatureRole::Lit => Vec::new(),
+    }
 }
 
 /// Whether a layer of X, Y and Z holds unit vectors; `None` when it is none, or all zero.

@@ -45,6 +45,7 @@ mod passes;
 mod pfm;
 mod picture;
 mod read;
+mod read_layers;
 mod recognise;
 mod record;
 #[cfg(test)]
@@ -64,6 +65,7 @@ mod temporaries;
 mod test_files;
 mod together;
 mod write;
+mod write_channels;
 mod xyz;
 
 pub use atomic::{check_writable, write_atomically};

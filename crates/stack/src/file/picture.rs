@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use super::borrowed::BorrowedSamples;
-use super::layers::{Frame, write_channels};
 use super::recognise::XYZ;
 use super::write::SAMPLES;
+use super::write_channels::{Frame, write_channels};
 use super::xyz::rgb_of_xyz;
 use super::{Carried, FileError, Layers, Record, read_pfm, write_pfm};
 use crate::{Image, Window};

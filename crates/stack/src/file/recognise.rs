@@ -1,10 +1,12 @@
 //! Which layers of a file have which role.
 
+mod noise;
+
 use super::alias::{ANYBODY, GEOMETRIC_WORDS, OTHER_WORDS, RENDERERS, Renderer, SHADING_WORDS, Sign, WORDS};
 use super::by_value::by_value;
 use super::layer_list::{LayerNames, layer_list, words};
-use super::moments::{is_moment, mean_of_moment};
-use super::role::{Convention, Measure, Role, Slot};
+use super::moments::{is_moment, is_picture_with_moment};
+use super::role::{Measure, Role, Slot};
 use super::slot_names::slot_of;
 use super::{FileError, Layers};
 use crate::FeatureRole;
@@ -71,14 +73,17 @@ fn renderer_of(layers: &Layers, list: &[LayerNames]) -> &'static Renderer {
     RENDERERS.iter().find(|renderer| renderer.signs.iter().any(shows)).unwrap_or(&ANYBODY)
 }
 
+/// The renderer whose layers have the user's names.
+const NAMES_ARE_THE_USERS: &str = "Mitsuba";
+
 /// Channels of a picture of CIE XYZ.
 pub(super) const XYZ: [&str; 3] = ["X", "Y", "Z"];
 
 /// A search under way.
-pub(super) struct Search<'a> {
-    pub layers: &'a Layers,
-    pub list: &'a [LayerNames],
-    pub renderer: &'static Renderer,
+struct Search<'a> {
+    layers: &'a Layers,
+    list: &'a [LayerNames],
+    renderer: &'static Renderer,
     map: &'a [Mapping],
     found: Vec<Match>,
 }
@@ -90,7 +95,7 @@ impl<'a> Search<'a> {
     }
 
     /// Whether a layer has no role yet, and may have one.
-    pub fn is_free(&self, layer: &LayerNames) -> bool {
+    fn is_free(&self, layer: &LayerNames) -> bool {
         let taken = |name: &String| self.found.iter().any(|m| m.channels.contains(name));
         !is_moment(self.list, layer)
             && !self.is_of_another_picture(layer)
@@ -189,7 +194,7 @@ impl<'a> Search<'a> {
 
     /// The picture as Mitsuba's films of `pixel_format` `xyz` hold it. Elsewhere such channels may be anything.
     fn tristimulus(&self) -> Option<Vec<String>> {
-        let there = self.renderer.name == "Mitsuba" && XYZ.iter().all(|name| self.layers.has(name));
+        let there = self.renderer.name == NAMES_ARE_THE_USERS && XYZ.iter().all(|name| self.layers.has(name));
         there.then(|| XYZ.map(String::from).into())
     }
 
@@ -228,9 +233,7 @@ impl<'a> Search<'a> {
         }
         let guess = match self.by_word(slot)? {
             Some(layer) => Some(layer),
-            None => {
-                by_value(self, role).and_then(|candidates| self.one_of(slot, candidates).transpose()).transpose()?
-            }
+            None => self.by_value(slot)?,
         };
         if let Some(layer) = guess {
             self.take(slot, layer, true);
@@ -260,6 +263,16 @@ impl<'a> Search<'a> {
             any(wanted) && !any(OTHER_WORDS) && layer.channels(slot.role.channels()).is_some() && self.is_free(layer)
         };
         self.one_of(slot, self.list.iter().filter(fits).collect())
+    }
+
+    /// The layer whose values are those of `slot`'s role, where names are the user's.
+    fn by_value(&self, slot: Slot) -> Result<Option<&'a LayerNames>, FileError> {
+        let Role::Feature(feature) = slot.role else { return Ok(None) };
+        if self.renderer.name != NAMES_ARE_THE_USERS {
+            return Ok(None);
+        }
+        let free = self.list.iter().filter(|layer| self.is_free(layer) && !is_picture_with_moment(self.list, layer));
+        self.one_of(slot, by_value(self.layers, free, feature))
     }
 
     /// The one of `candidates` that stands beside the colour, or whose name says it is the better one.
@@ -296,82 +309,6 @@ impl<'a> Search<'a> {
             .iter()
             .find(|layer| layer.triple().as_ref() == Some(&colour.channels))
             .map(|layer| layer.parent.clone())
-    }
-
-    fn noise(&mut self) -> Result<(), FileError> {
-        for found in self.found.clone().iter().filter(|m| m.slot.measure == Measure::Mean) {
-            let Some(layer) =
-                self.list.iter().find(|l| l.channels(found.channels.len()).as_ref() == Some(&found.channels))
-            else {
-                continue;
-            };
-            self.by_ending(found.slot.role, layer);
-            self.by_own_name(found.slot.role)?;
-            self.second_moment(found.slot.role, layer)?;
-        }
-        let whole = |role| [Measure::HalfA, Measure::HalfB].map(|measure| Slot { role, measure });
-        for role in Role::ALL {
-            if !whole(role).iter().all(|slot| self.found.iter().any(|m| m.slot == *slot)) {
-                self.found.retain(|m| !whole(role).contains(&m.slot));
-            }
-        }
-        Ok(())
-    }
-
-    /// Halves and variances whose names are that of their mean with something behind it.
-    fn by_ending(&mut self, role: Role, mean: &LayerNames) {
-        for (ending, measure) in self.renderer.endings.iter().chain(ANYBODY.endings) {
-            let slot = Slot { role, measure: *measure };
-            let bare_half = mean.key.is_empty() && matches!(measure, Measure::HalfA | Measure::HalfB);
-            if bare_half || !self.is_open(slot) {
-                continue;
-            }
-            let key = format!("{}{ending}", mean.key);
-            let beside = |layer: &LayerNames| layer.parent == mean.parent && layer.key == key;
-            let below = |layer: &LayerNames| !mean.name.is_empty() && layer.parent == mean.name && layer.key == *ending;
-            let fits = |layer: &&LayerNames| (beside(layer) || below(layer)) && self.is_free(layer);
-            if let Some(layer) = self.list.iter().find(fits) {
-                self.take(slot, layer, false);
-            }
-        }
-    }
-
-    /// Measures of noise that have a name of their own.
-    fn by_own_name(&mut self, role: Role) -> Result<(), FileError> {
-        for (of, measure, names) in self.renderer.noise.iter().filter(|(of, ..)| *of == role) {
-            let slot = Slot { role: *of, measure: *measure };
-            if !self.is_open(slot) {
-                continue;
-            }
-            let fits = |l: &&LayerNames| names.contains(&l.key.as_str()) && l.channels(role.channels()).is_some();
-            if let Some(layer) = self.one_of(slot, self.list.iter().filter(fits).collect())? {
-                self.take(slot, layer, false);
-            }
-        }
-        Ok(())
-    }
-
-    /// Mitsuba's second moments `m2_NAME` beside the mean `NAME`. The picture's own are those of no feature.
-    fn second_moment(&mut self, role: Role, mean: &LayerNames) -> Result<(), FileError> {
-        let slot = Slot { role, measure: Measure::Variance(Convention::SecondMoment) };
-        if !self.is_open(slot) {
-            return Ok(());
-        }
-        let count = role.channels();
-        let mean_of = |moment: &LayerNames| {
-            let name = mean_of_moment(&moment.name)?;
-            self.list.iter().find(|layer| layer.name == name && layer.channels(count).is_some())
-        };
-        let fits = |layer: &&LayerNames| {
-            let own = layer.channels(count).and_then(|_| mean_of(layer));
-            own.is_some_and(|of| of.name == mean.name || (role == Role::Colour && self.is_free(of)))
-        };
-        if let Some(moment) = self.one_of(slot, self.list.iter().filter(fits).collect())? {
-            let own = mean_of(moment).filter(|of| of.name != mean.name).and_then(|of| of.channels(count));
-            self.take(slot, moment, false);
-            self.found.last_mut().into_iter().for_each(|m| m.mean.clone_from(&own));
-        }
-        Ok(())
     }
 
     fn no_colour(&self) -> FileError {

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::borrowed::BorrowedSamples;
-use super::layers::{Frame, write_channels};
+use super::write_channels::{Frame, write_channels};
 use super::{Carried, FileError};
 use crate::merge::Record;
 use crate::{
