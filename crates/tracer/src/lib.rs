@@ -11,6 +11,7 @@ pub mod integrator;
 pub mod interaction;
 pub mod light;
 pub mod material;
+mod motion;
 mod photon;
 mod ray;
 pub mod sampler;

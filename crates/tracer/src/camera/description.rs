@@ -4,7 +4,7 @@ use glam::Vec3;
 use stack::{Fault, Size};
 
 use super::Camera;
-use crate::scene::Motion;
+use crate::motion::Motion;
 
 /// A camera without its film.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -8,8 +8,8 @@ use stack::Size;
 pub use description::{CameraDescription, CameraError};
 
 use crate::Ray;
+use crate::motion::Motion;
 use crate::sampler::warp::sample_disc;
-use crate::scene::Motion;
 
 /// A camera with its film. A lens radius of zero makes it a pinhole.
 ///

@@ -4,8 +4,8 @@ use glam::Vec3;
 
 use super::place::{DIGITS, Place};
 use crate::bsdf::Bsdf;
+use crate::bvh::Bounds;
 use crate::interaction::Interaction;
-use crate::scene::Bounds;
 
 /// Largest cell that paths share, against what one path stands for: the directions of its kind, as far away as it went.
 /// Larger ones would blur what lies next to a surface or is seen in its gloss.

@@ -6,8 +6,8 @@
 //! glass, which are the same for both).
 
 use super::TraceSettings;
-use super::direct::Surface;
 use super::path_state::{Landing, Path};
+use super::surface::Surface;
 use crate::interaction::Interaction;
 use crate::light::Lights;
 use crate::photon::{Landed, PhotonTracer};

@@ -1,12 +1,9 @@
 //! Light that arrives at a surface directly, and how two ways of finding it share the work.
 
-use glam::Vec3;
-
 use super::DirectLight;
 use super::path::PathTracer;
 use super::path_state::{Departure, Path};
-use crate::bsdf::Bsdf;
-use crate::interaction::Interaction;
+use super::surface::Surface;
 use crate::light::LightSample;
 use crate::sampler::{Decision, Stream};
 
@@ -73,25 +70,6 @@ impl PathTracer<'_> {
             (Some(_), DirectLight::Lights) => 0.0,
             (Some(departure), DirectLight::Both) => power_heuristic(departure.pdf, light_pdf(departure)),
         }
-    }
-}
-
-/// A surface on a path.
-pub(super) struct Surface<'a> {
-    /// Where.
-    pub(super) hit: &'a Interaction<'a>,
-    /// How it scatters.
-    pub(super) bsdf: &'a Bsdf,
-    /// How many surfaces the path met before.
-    pub(super) bounce: u32,
-    /// Whether what leaves it is gathered.
-    pub(super) gathers: bool,
-}
-
-impl Surface<'_> {
-    /// Share of the light from the unit vector `direction` that `path` finds for others, too.
-    pub(super) fn shared_from(&self, direction: Vec3, path: &Path) -> Vec3 {
-        if self.gathers { self.bsdf.even_share(direction) } else { path.shared }
     }
 }
 

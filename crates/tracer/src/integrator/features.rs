@@ -6,9 +6,9 @@ use super::path_state::Path;
 use super::{FeatureHit, TraceSettings};
 use crate::Ray;
 use crate::bsdf::Bsdf;
+use crate::bvh::Bounds;
 use crate::film::FeatureRecord;
 use crate::interaction::Interaction;
-use crate::scene::Bounds;
 
 /// Mirrors and interfaces of glass that features look through at most.
 const MOST_SPECULAR: u32 = 16;

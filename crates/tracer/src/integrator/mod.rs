@@ -12,6 +12,7 @@ mod path;
 mod path_state;
 mod roulette;
 mod settings;
+mod surface;
 mod trace;
 
 #[cfg(test)]

@@ -3,8 +3,8 @@
 use glam::Vec3;
 
 use super::caustic::Photons;
-use super::direct::Surface;
 use super::path_state::{Departure, Path};
+use super::surface::Surface;
 use super::{TraceSettings, features, roulette};
 use crate::Ray;
 use crate::bsdf::Bsdf;

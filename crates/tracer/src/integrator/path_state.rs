@@ -4,11 +4,11 @@ use glam::Vec3;
 
 use crate::Ray;
 use crate::bsdf::Bsdf;
+use crate::bvh::Bounds;
 use crate::film::{FeatureRecord, SampleRecord};
 use crate::gather::GatherPoint;
 use crate::interaction::Interaction;
 use crate::light::Receiver;
-use crate::scene::Bounds;
 
 /// How a path left its last surface, when other directions were possible too.
 #[derive(Clone, Copy, Debug)]

@@ -5,7 +5,9 @@ use std::f32::consts::PI;
 use glam::{Vec2, Vec3};
 
 use super::fork::Fork;
-use super::{LightSample, Receiver, mean};
+use super::light_sample::LightSample;
+use super::mean_radiance::mean;
+use super::receiver::Receiver;
 use crate::bsdf::Frame;
 use crate::interaction::Interaction;
 use crate::sampler::warp::sample_cap;

@@ -1,7 +1,7 @@
 //! What is known of one lamp or several without looking at each.
 
 use super::normal_cone::NormalCone;
-use crate::scene::Bounds;
+use crate::bvh::Bounds;
 
 /// Where one lamp or several are, where they shine, and how much.
 #[derive(Clone, Copy, Debug)]

@@ -4,12 +4,15 @@
 //! send to the surface that asks (`tree`). The sky stays out of the tree: it has no place, so there is no distance to
 //! weigh against the lamps'.
 
-mod delta;
+pub(crate) mod delta;
 mod fork;
 mod light_bounds;
+mod light_sample;
+mod mean_radiance;
 mod normal_cone;
+mod receiver;
 mod sky;
-mod tree;
+pub(crate) mod tree;
 mod triangle;
 
 use std::f32::consts::PI;
@@ -19,11 +22,13 @@ use delta::DeltaLights;
 use fork::Fork;
 use glam::{Vec2, Vec3};
 use light_bounds::LightBounds;
+pub use light_sample::LightSample;
+pub(crate) use mean_radiance::mean;
 use normal_cone::NormalCone;
+pub use receiver::Receiver;
 use sky::Sky;
-pub(crate) use tree::LightTree;
+use tree::LightTree;
 
-use crate::Ray;
 use crate::interaction::Interaction;
 use crate::material::Tinted;
 use crate::scene::{EmissiveTriangle, Scene};
@@ -31,33 +36,6 @@ use crate::scene::{EmissiveTriangle, Scene};
 /// The sky is found by following surfaces, wherever it is seen at all; lamps are not. So the sky takes no more than
 /// this share of the light samples when there are lamps.
 const LARGEST_SKY_SHARE: f64 = 0.5;
-
-/// Who looks for light.
-#[derive(Clone, Copy, Debug)]
-pub struct Receiver {
-    /// Where it is, in scene units.
-    pub position: Vec3,
-    /// The surface's unit normal, on the viewer's side.
-    pub normal: Vec3,
-    /// Whether light from beyond the surface matters, too.
-    pub two_sided: bool,
-}
-
-/// Light that may arrive at a point.
-#[derive(Clone, Copy, Debug)]
-pub struct LightSample {
-    /// Unit direction it comes from.
-    pub direction: Vec3,
-    /// Its radiance, if nothing is in the way; of a delta light the irradiance of a surface across `direction`.
-    pub radiance: Vec3,
-    /// Density of `direction` per solid angle, the choice of the light included; above 0. Of a delta light the probability
-    /// of the choice alone.
-    pub pdf: f32,
-    /// Whether no ray that follows surfaces can find this light, so that samples like this one have to carry all of it.
-    pub is_delta: bool,
-    /// What must not be occluded.
-    pub shadow_ray: Ray,
-}
 
 /// All lights of a scene, ready to be sampled.
 #[derive(Debug)]
@@ -159,12 +137,6 @@ fn lamp(scene: &Scene, index: usize) -> LightBounds {
 /// Power of `emitter`, averaged over the channels.
 pub(crate) fn power(emitter: &EmissiveTriangle) -> f64 {
     f64::from(PI * emitter.area) * mean(emitter.radiance)
-}
-
-/// Mean of the channels; 0 for a radiance nobody could mean.
-pub(crate) fn mean(radiance: Vec3) -> f64 {
-    let mean = f64::from(radiance.element_sum()) / 3.0;
-    if mean.is_finite() && mean > 0.0 { mean } else { 0.0 }
 }
 
 fn scaled(sample: LightSample, share: f32) -> LightSample {

@@ -2,7 +2,8 @@
 
 use glam::{Vec2, Vec3};
 
-use super::{LightSample, Receiver};
+use super::light_sample::LightSample;
+use super::receiver::Receiver;
 use crate::bsdf::Frame;
 use crate::environment::Environment;
 use crate::interaction::Interaction;

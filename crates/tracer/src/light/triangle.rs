@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::LightSample;
+use super::light_sample::LightSample;
 use crate::interaction::Interaction;
 use crate::material::Material;
 use crate::sampler::warp::sample_triangle;

@@ -4,8 +4,8 @@ use std::ops::ControlFlow;
 
 use glam::Vec3;
 
+use crate::bvh::Bounds;
 use crate::interaction::Interaction;
-use crate::scene::Bounds;
 
 /// Photons in a leaf of the tree at most.
 const LEAF: usize = 8;

@@ -5,8 +5,8 @@ use std::f32::consts::PI;
 use glam::{Vec2, Vec3};
 
 use crate::bsdf::Frame;
+use crate::bvh::Bounds;
 use crate::sampler::warp::{sample_cap, sample_disc};
-use crate::scene::Bounds;
 
 /// How often a ball may be split into two.
 const MOST_SPLITS: u32 = 4;

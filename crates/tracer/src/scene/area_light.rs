@@ -9,7 +9,7 @@ use std::f32::consts::{PI, TAU};
 use glam::{DVec3, Vec2, Vec3};
 
 use super::Mesh;
-use super::instance::cross;
+use super::mesh::cross;
 use crate::material::{Colour, Material, Surface};
 
 /// Corners of what stands for a disk.

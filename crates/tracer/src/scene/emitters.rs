@@ -4,9 +4,9 @@ use std::borrow::Cow;
 
 use glam::{Vec2, Vec3, Vec4};
 
-use super::instance::Placed;
 use super::mesh::IndexedMesh;
-use super::motion::MovingPlacement;
+use super::moving_placement::MovingPlacement;
+use super::placed::Placed;
 use super::{Bounds, Scene};
 use crate::material::{Material, Tinted};
 

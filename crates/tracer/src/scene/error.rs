@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use stack::Fault;
 
-use super::Dropped;
+use super::dropped::Dropped;
 use crate::camera::CameraError;
 
 /// A line of a file.

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
 
-use super::instance::Placed;
 use super::mesh::Mesh;
+use super::placed::Placed;
 use super::{Dropped, Scene};
 use crate::digest::Digest;
 use crate::material::{ClearCoat, Colour, Grey, Material, Surface, SurfaceMaps, Tinted};

@@ -1,13 +1,12 @@
 //! Meshes standing in the scene.
 
-use std::borrow::Cow;
-
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
 use super::emitters::{EmissiveTriangle, emitters_of, ranks};
 use super::mesh::{IndexedMesh, Mesh, is_in_range};
-use super::motion::MovingPlacement;
-use super::{Bounds, Dropped, Motion, Placement};
+use super::moving_placement::MovingPlacement;
+use super::placed::Placed;
+use super::{Bounds, Dropped, Motion, Placement, SceneError};
 use crate::bvh::WideBvh;
 use crate::material::Material;
 
@@ -22,48 +21,35 @@ pub struct Instance {
     pub motion: Option<Motion>,
 }
 
-/// A mesh standing in the scene, ready for rays.
-#[derive(Debug)]
-pub(super) struct Placed {
-    pub(super) mesh: usize,
-    /// `None` when the mesh is in scene space already. When it moves, its place at time 0.
-    pub(super) placement: Option<Placement>,
-    pub(super) moving: Option<MovingPlacement>,
-    /// All of it at any time.
-    pub(super) bounds: Bounds,
-    /// For each triangle its index among the scene's emitters; `u32::MAX` for none. Empty when none emits.
-    pub(super) emitters: Vec<u32>,
-}
-
-impl Placed {
-    /// Where it stands at `time`; `None` when the mesh is in scene space already.
-    #[inline]
-    pub(super) fn at(&self, time: f32) -> Option<Cow<'_, Placement>> {
-        let moved = self.moving.as_ref().map(|moving| Cow::Owned(moving.at(time)));
-        moved.or_else(|| self.placement.as_ref().map(Cow::Borrowed))
+/// Checks that every index points to something.
+pub(super) fn check(meshes: &[Mesh], instances: &[Instance], materials: usize) -> Result<(), SceneError> {
+    let bad = |what, index: usize, count| Err(SceneError::BadIndex { what, index, count });
+    if let Some(i) = instances.iter().find(|i| i.mesh >= meshes.len()) {
+        return bad("mesh", i.mesh, meshes.len());
     }
-
-    /// Corners of a triangle, in scene space, with the mesh standing at `placement`.
-    #[inline]
-    pub(super) fn corners(mesh: &IndexedMesh, triangle: u32, placement: Option<&Placement>) -> [Vec3; 3] {
-        let corners = mesh.mesh.corners(triangle);
-        placement.map_or(corners, |placement| corners.map(|c| placement.point(c)))
+    for mesh in meshes {
+        let vertices = mesh.positions.len();
+        if let Some(&v) = mesh.triangles.iter().flatten().find(|&&v| v as usize >= vertices) {
+            return bad("vertex", v as usize, vertices);
+        }
+        if let Some(&m) = mesh.materials.iter().find(|&&m| m as usize >= materials) {
+            return bad("material", m as usize, materials);
+        }
+        if mesh.materials.len() != mesh.triangles.len() {
+            return bad("material of triangle", mesh.materials.len(), mesh.triangles.len());
+        }
+        let of_vertices = [
+            ("normal", mesh.normals.len()),
+            ("texture coordinate", mesh.uvs.len()),
+            ("vertex colour", mesh.colours.len()),
+        ];
+        for (what, count) in of_vertices {
+            if count != 0 && count != vertices {
+                return bad(what, count, vertices);
+            }
+        }
     }
-
-    /// Twice the area times the unit normal, on the side of the winding in the mesh's own space: a mirrored mesh keeps
-    /// its outside outside.
-    #[inline]
-    pub(super) fn cross(&self, corners: [Vec3; 3]) -> DVec3 {
-        let cross = cross(corners);
-        if self.placement.is_some_and(|p| p.is_mirrored()) { -cross } else { cross }
-    }
-}
-
-/// Twice the area times the unit normal of a triangle; in f64 so that no size over- or underflows.
-#[inline]
-pub(super) fn cross(corners: [Vec3; 3]) -> DVec3 {
-    let [a, b, c] = corners.map(|v| v.as_dvec3());
-    (b - a).cross(c - a)
+    Ok(())
 }
 
 /// A mesh and where it stands, nowhere in particular when it is in scene space already; and how it moves.

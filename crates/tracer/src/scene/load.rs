@@ -8,9 +8,10 @@ use stack::file::extension;
 
 use super::description::{Light, RawRender, SceneDescription, SkyDescription, Stand, read_description};
 use super::environment_file::read_environment;
+use super::find_file::find_file;
 use super::gltf::{GltfFile, read_gltf};
 use super::notes::Notes;
-use super::obj::{find_file, read_obj};
+use super::obj::read_obj;
 use super::textures::TextureFiles;
 use super::{Dropped, Instance, Mesh, Placement, Scene, SceneError};
 use crate::camera::CameraDescription;

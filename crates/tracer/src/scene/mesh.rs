@@ -1,9 +1,8 @@
 //! Triangles with what their corners know.
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 
-use super::instance::cross;
-use super::{Instance, Placement, SceneError};
+use super::{Dropped, Placement};
 use crate::bvh::TriangleBvh;
 use crate::material::Material;
 
@@ -24,33 +23,19 @@ pub struct Mesh {
     pub materials: Vec<u32>,
 }
 
-/// Triangles dropped because no ray could hit them.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Dropped {
-    /// Those without area.
-    pub degenerate: usize,
-    /// Those with a coordinate that is NaN, infinite or too large to compute with.
-    pub not_finite: usize,
-}
-
-impl Dropped {
-    /// One sentence for each kind that there is.
-    pub(super) fn said(&self) -> Vec<String> {
-        let kinds = [
-            (self.degenerate, "without area"),
-            (self.not_finite, "with coordinates that are NaN, infinite or too large"),
-        ];
-        let some = kinds.into_iter().filter(|(count, _)| *count > 0);
-        some.map(|(count, what)| format!("{count} triangles {what} left out")).collect()
-    }
-}
-
 /// Coordinates beyond this magnitude overflow f32 in differences and sums of products with unit vectors.
 const GREATEST_COORDINATE: f32 = f32::MAX / 16.0;
 
 /// Whether the coordinates of `point` are numbers one can compute with.
 pub(super) fn is_in_range(point: Vec3) -> bool {
     point.abs().cmple(Vec3::splat(GREATEST_COORDINATE)).all()
+}
+
+/// Twice the area times the unit normal of a triangle; in f64 so that no size over- or underflows.
+#[inline]
+pub(super) fn cross(corners: [Vec3; 3]) -> DVec3 {
+    let [a, b, c] = corners.map(|v| v.as_dvec3());
+    (b - a).cross(c - a)
 }
 
 impl Mesh {
@@ -158,35 +143,4 @@ impl IndexedMesh {
     pub(super) fn used_positions(&self) -> impl Iterator<Item = &Vec3> + Clone {
         self.mesh.triangles.iter().flatten().map(|&v| &self.mesh.positions[v as usize])
     }
-}
-
-/// Checks that every index points to something.
-pub(super) fn check(meshes: &[Mesh], instances: &[Instance], materials: usize) -> Result<(), SceneError> {
-    let bad = |what, index: usize, count| Err(SceneError::BadIndex { what, index, count });
-    if let Some(i) = instances.iter().find(|i| i.mesh >= meshes.len()) {
-        return bad("mesh", i.mesh, meshes.len());
-    }
-    for mesh in meshes {
-        let vertices = mesh.positions.len();
-        if let Some(&v) = mesh.triangles.iter().flatten().find(|&&v| v as usize >= vertices) {
-            return bad("vertex", v as usize, vertices);
-        }
-        if let Some(&m) = mesh.materials.iter().find(|&&m| m as usize >= materials) {
-            return bad("material", m as usize, materials);
-        }
-        if mesh.materials.len() != mesh.triangles.len() {
-            return bad("material of triangle", mesh.materials.len(), mesh.triangles.len());
-        }
-        let of_vertices = [
-            ("normal", mesh.normals.len()),
-            ("texture coordinate", mesh.uvs.len()),
-            ("vertex colour", mesh.colours.len()),
-        ];
-        for (what, count) in of_vertices {
-            if count != 0 && count != vertices {
-                return bad(what, count, vertices);
-            }
-        }
-    }
-    Ok(())
 }

@@ -4,9 +4,11 @@ mod area_light;
 mod closest;
 mod cut_out;
 mod description;
+mod dropped;
 mod emitters;
 mod environment_file;
 mod error;
+mod find_file;
 mod fingerprint;
 mod gltf;
 mod guess;
@@ -14,11 +16,12 @@ mod instance;
 mod load;
 mod look;
 mod mesh;
-mod motion;
+mod moving_placement;
 mod mtl;
 mod notes;
 mod obj;
 mod picture_file;
+mod placed;
 mod relief;
 mod source;
 mod specular;
@@ -28,7 +31,9 @@ mod textures;
 use std::sync::OnceLock;
 
 pub use crate::bvh::{Bounds, Placement};
+pub use crate::motion::Motion;
 pub use description::{RawRender, RenderEntry, TableDescription, describe_tables, nearest_name};
+pub use dropped::Dropped;
 pub use emitters::EmissiveTriangle;
 pub use environment_file::read_environment;
 pub use error::{Place, SceneError};
@@ -36,15 +41,16 @@ pub use fingerprint::Fingerprint;
 pub use guess::{Guess, guess_camera, guess_environment};
 pub use instance::Instance;
 pub use load::{Loaded, load};
-pub use mesh::{Dropped, Mesh};
-pub use motion::Motion;
+pub use mesh::Mesh;
 pub use picture_file::linear_rgb;
 
 use crate::environment::Environment;
-use crate::light::{DeltaLight, LightTree};
+use crate::light::delta::DeltaLight;
+use crate::light::tree::LightTree;
 use crate::material::Material;
-use instance::{InstanceTree, Placed};
+use instance::InstanceTree;
 use mesh::IndexedMesh;
+use placed::Placed;
 
 /// A scene ready for rays.
 #[derive(Debug)]
@@ -80,7 +86,7 @@ impl Scene {
         materials: Vec<Material>,
         environment: Option<Environment>,
     ) -> Result<Self, SceneError> {
-        mesh::check(&meshes, &instances, materials.len())?;
+        instance::check(&meshes, &instances, materials.len())?;
         let mut dropped = Dropped::default();
         let (meshes, stands) = instance::merge_single(meshes, &instances);
         let meshes: Vec<_> =

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::Scene;
-use super::instance::Placed;
+use super::placed::Placed;
 use crate::bsdf::may_be_specular;
 
 impl Scene {

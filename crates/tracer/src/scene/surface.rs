@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec3, Vec4};
 
-use super::instance::Placed;
 use super::mesh::Mesh;
+use super::placed::Placed;
 use super::relief;
 use super::{Placement, Scene};
 use crate::Ray;

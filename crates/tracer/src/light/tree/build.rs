@@ -3,9 +3,9 @@
 use std::ops::Range;
 
 use super::super::light_bounds::LightBounds;
-use super::node::{Child, LANES, Node};
-use super::{LightTree, NOWHERE, Scale};
-use crate::scene::Bounds;
+use super::LightTree;
+use super::node::{Child, LANES, NOWHERE, Node};
+use super::scale::Scale;
 
 /// Places between which an axis may be cut.
 const BUCKETS: usize = 12;
@@ -24,40 +24,37 @@ struct Part {
     lights: LightBounds,
 }
 
-/// Builds a tree over `lamps`, of which some have power or none.
-pub(super) fn build(lamps: &[LightBounds]) -> LightTree {
-    let with_index = lamps.iter().enumerate().map(|(i, lamp)| Member { lamp: *lamp, index: i as u32 });
-    let mut members: Vec<Member> = with_index.filter(|member| member.lamp.power > 0.0).collect();
-    let Some(whole) = Part::of(&members, 0..members.len()) else { return LightTree::default() };
-    let (scale, power) = (scale_of(&whole.lights.bounds), whole.lights.power);
-    let mut nodes = vec![Node::empty(NOWHERE)];
-    let mut slots = vec![NOWHERE; lamps.len()];
-    // Node i is made of waiting[i].
-    let mut waiting = vec![whole];
-    for parent in 0.. {
-        let Some(part) = waiting.get(parent).cloned() else { break };
-        for (lane, part) in split_into_lanes(&mut members, part).into_iter().enumerate() {
-            let slot = (parent * LANES + lane) as u32;
-            let child = match part.range.len() {
-                1 => Child::Lamp(members[part.range.start].index as usize),
-                _ => Child::Node(nodes.len()),
-            };
-            nodes[parent].set(lane, &part.lights, child, &scale, power);
-            match child {
-                Child::Lamp(index) => slots[index] = slot,
-                Child::Node(_) => {
-                    nodes.push(Node::empty(slot));
-                    waiting.push(part);
+impl LightTree {
+    /// A tree over `lamps`, which keep their indices. Lamps whose power is 0 are never chosen.
+    pub(in crate::light) fn new(lamps: &[LightBounds]) -> Self {
+        let with_index = lamps.iter().enumerate().map(|(i, lamp)| Member { lamp: *lamp, index: i as u32 });
+        let mut members: Vec<Member> = with_index.filter(|member| member.lamp.power > 0.0).collect();
+        let Some(whole) = Part::of(&members, 0..members.len()) else { return Self::default() };
+        let (scale, power) = (Scale::of(&whole.lights.bounds), whole.lights.power);
+        let mut nodes = vec![Node::empty(NOWHERE)];
+        let mut slots = vec![NOWHERE; lamps.len()];
+        // Node i is made of waiting[i].
+        let mut waiting = vec![whole];
+        for parent in 0.. {
+            let Some(part) = waiting.get(parent).cloned() else { break };
+            for (lane, part) in split_into_lanes(&mut members, part).into_iter().enumerate() {
+                let slot = (parent * LANES + lane) as u32;
+                let child = match part.range.len() {
+                    1 => Child::Lamp(members[part.range.start].index as usize),
+                    _ => Child::Node(nodes.len()),
+                };
+                nodes[parent].set(lane, &part.lights, child, &scale, power);
+                match child {
+                    Child::Lamp(index) => slots[index] = slot,
+                    Child::Node(_) => {
+                        nodes.push(Node::empty(slot));
+                        waiting.push(part);
+                    }
                 }
             }
         }
+        Self { nodes, slots, scale, power }
     }
-    LightTree { nodes, slots, scale, power }
-}
-
-fn scale_of(bounds: &Bounds) -> Scale {
-    let diagonal = bounds.extent().as_dvec3().length();
-    Scale { origin: bounds.centre().as_dvec3(), per_unit: if diagonal > 0.0 { 1.0 / diagonal } else { 1.0 } }
 }
 
 impl Part {

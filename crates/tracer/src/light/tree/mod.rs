@@ -7,13 +7,13 @@
 
 mod build;
 mod node;
+mod scale;
 
-use glam::{DVec3, Vec3};
-use node::{Child, LANES, Node};
+use node::{Child, LANES, NOWHERE, Node};
+use scale::Scale;
 
-use super::Receiver;
 use super::fork::CHOICES;
-use super::light_bounds::LightBounds;
+use super::receiver::Receiver;
 
 /// A tree over lamps.
 #[derive(Debug, Default)]
@@ -34,15 +34,7 @@ pub(super) struct ChosenLamp {
     pub(super) probability: f32,
 }
 
-/// Slot of lamps that are never chosen, and of the root.
-const NOWHERE: u32 = u32::MAX;
-
 impl LightTree {
-    /// A tree over `lamps`, which keep their indices. Lamps whose power is 0 are never chosen.
-    pub(super) fn new(lamps: &[LightBounds]) -> Self {
-        build::build(lamps)
-    }
-
     /// Power of all lamps together.
     pub(super) const fn power(&self) -> f64 {
         self.power
@@ -102,20 +94,6 @@ fn pick(importance: &[f32; LANES], target: f64) -> (usize, f64) {
     }
     // The f32 sum may be a rounding above the f64 one.
     (last, 1.0_f64.next_down())
-}
-
-/// Takes positions to where the lamps fill a box of size one: no square over- or underflows, however large the scene.
-#[derive(Clone, Copy, Debug, Default)]
-struct Scale {
-    origin: DVec3,
-    per_unit: f64,
-}
-
-impl Scale {
-    #[inline]
-    fn position(&self, p: Vec3) -> Vec3 {
-        ((p.as_dvec3() - self.origin) * self.per_unit).as_vec3()
-    }
 }
 
 #[cfg(test)]

@@ -5,7 +5,11 @@ use std::f64::consts::FRAC_PI_2;
 use glam::Vec3;
 
 use super::super::light_bounds::LightBounds;
-use super::{NOWHERE, Receiver, Scale};
+use super::super::receiver::Receiver;
+use super::scale::Scale;
+
+/// Slot of lamps that are never chosen, and of the root.
+pub(super) const NOWHERE: u32 = u32::MAX;
 
 /// Children of a node, one per lane.
 pub(super) const LANES: usize = 4;

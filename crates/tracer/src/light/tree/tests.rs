@@ -1,7 +1,10 @@
+use glam::Vec3;
+
+use super::super::light_bounds::LightBounds;
 use super::super::normal_cone::NormalCone;
 use super::*;
+use crate::bvh::Bounds;
 use crate::bvh::random::Random;
-use crate::scene::Bounds;
 
 /// A square of side `size` at `centre`, shining along `normal`.
 fn lamp(centre: Vec3, size: f32, normal: Vec3, power: f64) -> LightBounds {

@@ -7,7 +7,7 @@ use glam::Vec3;
 use super::super::SceneError;
 use super::keys::{FINITE, NOT_NEGATIVE, TomlTable, toml_table};
 use super::mistakes::Lines;
-use super::values::Triple;
+use super::triple::Triple;
 
 toml_table! {
     /// The sky: the same radiance from everywhere, or a latitude-longitude map.

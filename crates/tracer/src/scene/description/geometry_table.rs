@@ -9,7 +9,7 @@ use super::super::{Motion, Placement, SceneError};
 use super::keys::{FINITE, TomlTable, TomlValue, toml_table};
 use super::mistakes::Lines;
 use super::motion_table::MotionTable;
-use super::values::Triple;
+use super::triple::Triple;
 
 toml_table! {
     /// A mesh file and where it stands.

@@ -8,7 +8,7 @@ use toml::Spanned;
 
 use super::super::textures::{Channel, TextureUse};
 use super::keys::{FINITE, NOT_NEGATIVE, TomlValue, toml_table};
-use super::values::Triple;
+use super::triple::Triple;
 use crate::texture::Wrap;
 
 toml_table! {

@@ -9,7 +9,7 @@ use super::super::SceneError;
 use super::super::area_light::AreaLight;
 use super::keys::{FINITE, NOT_NEGATIVE, POSITIVE, TomlTable, TomlValue, toml_table};
 use super::mistakes::{Lines, nearest};
-use super::values::Triple;
+use super::triple::Triple;
 use crate::light::DeltaLight;
 
 toml_table! {

@@ -12,7 +12,8 @@ use super::super::textures::{Channel, TextureFiles, TextureUse};
 use super::image_table::ImageTable;
 use super::keys::{NOT_NEGATIVE, SHARE, TomlTable, toml_table};
 use super::mistakes::{Lines, nearest};
-use super::values::{Image, Textured, Triple};
+use super::triple::Triple;
+use super::values::{Image, Textured};
 use crate::material::{ClearCoat, Colour, Grey, Material};
 use crate::texture::Texture;
 

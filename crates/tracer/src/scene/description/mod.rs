@@ -12,6 +12,7 @@ mod mistakes;
 mod motion_table;
 mod one_or_many;
 mod render_table;
+mod triple;
 mod values;
 
 use std::collections::BTreeMap;

@@ -7,7 +7,7 @@ use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use gltf::buffer::{Source, View};
 
-use super::super::obj::find_file;
+use super::super::find_file::find_file;
 
 /// Padding or none.
 const BASE64: GeneralPurpose = GeneralPurpose::new(

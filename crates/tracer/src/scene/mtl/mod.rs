@@ -12,8 +12,8 @@ use std::path::{Path, PathBuf};
 use glam::Vec3;
 
 use super::SceneError;
+use super::find_file::find_file;
 use super::notes::Notes;
-use super::obj::find_file;
 use super::source::{read_text, without_comment};
 use super::textures::TextureFiles;
 use crate::material::Material;

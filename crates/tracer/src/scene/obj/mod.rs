@@ -8,7 +8,7 @@ mod assemble;
 mod piece;
 mod polygon;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use rayon::prelude::*;
 
@@ -106,36 +106,6 @@ fn cut(text: &str, size: usize) -> Vec<&str> {
         rest = after;
     }
     pieces
-}
-
-/// The path of `name`, as a file in `folder` calls another: backslashes are taken for slashes, and when there is no such
-/// file, one that differs in case only will do. `None` when there is none either.
-pub(super) fn find_file(folder: &Path, name: &str) -> Option<PathBuf> {
-    let mended = name.trim().replace('\\', "/");
-    let direct = folder.join(&mended);
-    if direct.is_file() {
-        return Some(direct);
-    }
-    let mut found = folder.to_path_buf();
-    for part in mended.split('/').filter(|part| !part.is_empty() && *part != ".") {
-        found = if part == ".." { found.join(part) } else { find_ignoring_case(&found, part)? };
-    }
-    found.is_file().then_some(found)
-}
-
-fn find_ignoring_case(folder: &Path, name: &str) -> Option<PathBuf> {
-    let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    let exact = folder.join(name);
-    if exact.exists() {
-        return Some(exact);
-    }
-    let wanted = name.to_lowercase();
-    let entries = std::fs::read_dir(here).ok()?.flatten();
-    let mut same: Vec<_> =
-        entries.map(|e| e.file_name()).filter(|n| n.to_string_lossy().to_lowercase() == wanted).collect();
-    // Folders are listed in no particular order.
-    same.sort();
-    same.first().map(|n| folder.join(n))
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use glam::{Vec3, Vec4};
 use tempfile::TempDir;
 
 use super::super::notes::Notes;
-use super::{ObjFile, assemble, cut, find_file, parse, read_obj};
+use super::{ObjFile, assemble, cut, parse, read_obj};
 use crate::material::{Surface, Tinted};
 use crate::scene::mtl::MtlLibrary;
 
@@ -331,14 +331,6 @@ fn concave_faces_are_cut_and_what_is_no_face_is_said() {
         said,
         ["1 statements of points left out", "2 statements of lines left out", "1 curves and curved surfaces left out"]
     );
-}
-
-#[test]
-fn files_are_found_in_the_folder_above() {
-    let folder = folder(b"", &[("Sub/x.mtl", b""), ("Other/Y.png", b"")]);
-    let found = find_file(&folder.path().join("Sub"), "../other/y.PNG").unwrap();
-    assert!(found.ends_with("Sub/../Other/Y.png"));
-    assert_eq!(find_file(folder.path(), "sub"), None);
 }
 
 #[test]

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use image::DynamicImage;
 
-use super::super::obj::find_file;
+use super::super::find_file::find_file;
 use super::super::picture_file::{decode, decode_bytes, linear_rgb, plain_rgb, plain_rgba};
 use super::bump::{is_normal_map, normals_of_heights, steeper};
 use super::{Channel, TextureUse};
