@@ -11,6 +11,12 @@ const MEDIAN: [f32; 2] = [0.12, 0.25];
 /// What is darker than this share of the bright pixels is background: where there was nothing to see, a reconstruction may
 /// leave traces of light.
 const BACKGROUND: f32 = 1e-3;
+/// Where such traces are all but a few pixels, these are too few to be found by counting: what is darker than this share of
+/// what is seen is background, too.
+const BACKGROUND_OF_SEEN: f32 = 1e-4;
+/// Share of all light, each pixel's by its root, that is darker than what is seen. The root makes much of few pixels that are
+/// a million times as bright as the others, and little of a lamp that is a thousand times as bright as the room.
+const UNSEEN: f64 = 0.25;
 
 /// A value that more than this share of the pixels has, but for rounding, is background, too: a sky that is the same everywhere.
 const UNIFORM: f64 = 0.05;
@@ -18,7 +24,8 @@ const UNIFORM: f64 = 0.05;
 const ROUNDING: f32 = 1.0 + 1e-6;
 
 /// Stops by which `picture` should be lifted to fill an 8-bit range: all but the brightest 3 % of its pixels stay below
-/// white, as long as that leaves its median at a middle grey. Black background and that of one colour do not count. 0 for a
+/// white, as long as that leaves its median at a middle grey. Background that is black but for traces of light, and that of
+/// one colour, do not count. 0 for a
 /// black picture.
 pub fn choose(picture: &Image) -> f32 {
     let mut luminance: Vec<f32> = (0..picture.pixels())
@@ -29,11 +36,22 @@ pub fn choose(picture: &Image) -> f32 {
         return 0.0;
     }
     luminance.sort_by(f32::total_cmp);
-    let background = BACKGROUND * quantile(&luminance, 1.0 - CLIPPED);
+    let background = f32::max(BACKGROUND * quantile(&luminance, 1.0 - CLIPPED), BACKGROUND_OF_SEEN * seen(&luminance));
     let lit = without_uniform(&luminance[luminance.partition_point(|&value| value < background)..]);
     let (bright, median) = (quantile(&lit, 1.0 - CLIPPED), quantile(&lit, 0.5));
     let factor = (1.0 / bright).clamp(MEDIAN[0] / median, MEDIAN[1] / median);
     (factor.log2() * 10.0).round() / 10.0
+}
+
+/// The least of the `sorted` values that is not among what is darker than what is seen.
+fn seen(sorted: &[f32]) -> f32 {
+    let root = |value: &f32| f64::from(*value).sqrt();
+    let mut left = UNSEEN * sorted.iter().map(root).sum::<f64>();
+    let is_seen = |value: &&f32| {
+        left -= root(value);
+        left < 0.0
+    };
+    sorted.iter().find(is_seen).copied().unwrap_or(0.0)
 }
 
 /// The `sorted` values without those of a background of one colour, unless there is nothing else.
@@ -88,6 +106,28 @@ mod tests {
         let lit: Vec<f32> = (1..=20).map(|i| i as f32 / 20.0).collect();
         let traces = (0..80).map(|i| if i % 2 == 0 { 0.0 } else { 1e-9 * i as f32 });
         assert_eq!(of(lit.iter().copied().chain(traces).collect()), of(lit));
+    }
+
+    #[test]
+    fn few_pixels_before_traces_of_light_are_what_counts() {
+        let of = |values: Vec<f32>| choose(&Image::from_channels(Size::new(values.len(), 1), vec![values; 3]));
+        let object: Vec<f32> = (1..=100).map(|i| i as f32 / 100.0).collect();
+        for spread in [1e-8, 1e-6] {
+            let traces = (1..=9900).map(|i| spread * (i as f32 / 9900.0));
+            let before_traces = of(object.iter().copied().chain(traces).collect());
+            assert_eq!(before_traces, of(object.clone()), "1 % of the pixels, traces up to {spread}");
+        }
+    }
+
+    #[test]
+    fn neither_a_lamp_nor_a_firefly_takes_the_room_for_background() {
+        let of = |values: Vec<f32>| choose(&Image::from_channels(Size::new(values.len(), 1), vec![values; 3]));
+        let room: Vec<f32> = (1..=10000).map(|i| i as f32 / 10000.0).collect();
+        for (pixels, brightness) in [(1, 1e7), (100, 1e4), (200, 5e3)] {
+            let with_lamp = of(room.iter().copied().chain(std::iter::repeat_n(brightness, pixels)).collect());
+            let off = with_lamp - of(room.clone());
+            assert!((-0.11..=0.11).contains(&off), "{pixels} pixels of {brightness}: {off} stops");
+        }
     }
 
     #[test]
