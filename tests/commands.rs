@@ -438,16 +438,32 @@ fn where_nothing_is_there_is_no_light() {
     let half = |channel: &Passthrough| FlatSamples::F32((0..576).map(|pixel| 0.5 * channel.value(pixel)).collect());
     let key = layers.channels.iter().map(|c| Passthrough { name: format!("key.{}", c.name), samples: half(c) });
     layers.channels.extend(key.collect::<Vec<_>>());
+    let behind = |pixel: usize| 2.0 - 1.9 * there(pixel);
+    for c in ["R", "G", "B"] {
+        let samples = FlatSamples::F32((0..576).map(behind).collect());
+        layers.channels.push(Passthrough { name: format!("sky.{c}"), samples });
+    }
     let alpha = FlatSamples::F32((0..576).map(there).collect());
     layers.channels.push(Passthrough { name: "A".into(), samples: alpha });
     layers.write(&workplace.path("cut.exr")).unwrap();
-    workplace.must("denoise cut.exr -o a.exr --also key --quiet");
+    let run = workplace.must("denoise cut.exr -o a.exr --also key,sky");
+    let kept: Vec<String> =
+        run.stderr().lines().filter(|line| line.contains("keep their light")).map(String::from).collect();
+    assert_eq!(kept, ["sky: 312 pixels where the picture is empty keep their light as it came"]);
     let clean = Layers::read(&workplace.path("a.exr")).unwrap();
     let plane = |name: &str| clean.channels.iter().find(|channel| channel.name == name).unwrap();
     let empty: Vec<usize> = (0..576).filter(|pixel| there(*pixel) == 0.0).collect();
     let names = ["R", "G", "B", "key.R", "key.G", "key.B"];
     assert!(names.iter().all(|name| empty.iter().all(|&pixel| plane(name).value(pixel) == 0.0)));
     assert!((0..576).map(|pixel| plane("R").value(pixel)).sum::<f32>() > 1.0);
+    assert!(
+        empty.iter().all(|&pixel| plane("sky.G").value(pixel) == 2.0),
+        "a pass may have light where the picture has none"
+    );
+    let inside: Vec<f32> =
+        (0..576).filter(|pixel| there(*pixel) > 0.0).map(|pixel| plane("sky.G").value(pixel)).collect();
+    let mean = inside.iter().sum::<f32>() / inside.len() as f32;
+    assert!((mean - 0.1).abs() < 0.03, "{mean}");
 }
 
 #[test]

@@ -3,43 +3,59 @@
 
 use stack::{FeatureStack, Image};
 
-/// Those of a picture that have no alpha and are black, and of each of its passes those of them that are black there, too: the
-/// sky has light of its own where the picture is empty.
+/// Those of a picture that have no alpha and are black. A pass is rebuilt with the weights of the picture, which has none to
+/// give there, so it keeps what it had: nothing, or light of its own, as a sky has behind a picture without one.
 pub struct EmptyPixels {
-    of_picture: Vec<usize>,
-    of_passes: Vec<Vec<usize>>,
+    pixels: Vec<usize>,
+    of_passes: Vec<Kept>,
+}
+
+/// What a pass had in the empty pixels; nothing where it was black in all of them.
+struct Kept {
+    values: Vec<[f32; 3]>,
+    lit: usize,
 }
 
 impl EmptyPixels {
-    /// Those of the noisy picture `beauty` of `stack`, and of its `passes`.
+    /// Those of the noisy picture `beauty` of `stack`, and what its `passes` have there.
     pub fn of(stack: &FeatureStack, beauty: &Image, passes: &[Image]) -> Self {
         let alpha = stack.passthrough.iter().find(|channel| channel.name == "A");
-        let clear: Vec<usize> =
-            alpha.map_or_else(Vec::new, |a| (0..stack.size().pixels()).filter(|&p| a.value(p) == 0.0).collect());
-        let of_picture = black_ones(&clear, beauty);
-        let of_passes = passes.iter().map(|pass| black_ones(&of_picture, pass)).collect();
-        Self { of_picture, of_passes }
+        let pixels: Vec<usize> = alpha.map_or_else(Vec::new, |alpha| {
+            (0..stack.size().pixels()).filter(|&p| alpha.value(p) == 0.0 && is_black(&beauty.rgb(p))).collect()
+        });
+        let of_passes = passes.iter().map(|pass| Kept::of(pass, &pixels)).collect();
+        Self { pixels, of_passes }
     }
 
     /// Makes them black in `picture`.
     pub fn blacken(&self, picture: &mut Image) {
-        blacken(picture, &self.of_picture);
+        self.put(picture, &[]);
     }
 
-    /// Makes them black in the rebuilt `passes`.
-    pub fn blacken_passes(&self, passes: &mut [Image]) {
-        passes.iter_mut().zip(&self.of_passes).for_each(|(pass, pixels)| blacken(pass, pixels));
+    /// Gives the rebuilt `passes` what they had there; in how many pixels each has light.
+    pub fn restore_passes(&self, passes: &mut [Image]) -> Vec<usize> {
+        passes.iter_mut().zip(&self.of_passes).for_each(|(pass, kept)| self.put(pass, &kept.values));
+        self.of_passes.iter().map(|kept| kept.lit).collect()
+    }
+
+    /// Puts `values` there, or black where there are none.
+    fn put(&self, picture: &mut Image, values: &[[f32; 3]]) {
+        for (c, plane) in picture.channels_mut().iter_mut().enumerate() {
+            for (i, &pixel) in self.pixels.iter().enumerate() {
+                plane[pixel] = values.get(i).map_or(0.0, |value| value[c]);
+            }
+        }
     }
 }
 
-/// Those of `pixels` that are black in `picture`.
-fn black_ones(pixels: &[usize], picture: &Image) -> Vec<usize> {
-    let is_black = |pixel: &usize| picture.channels().iter().all(|plane| plane[*pixel] == 0.0);
-    pixels.iter().copied().filter(is_black).collect()
+impl Kept {
+    fn of(pass: &Image, pixels: &[usize]) -> Self {
+        let lit = pixels.iter().filter(|pixel| !is_black(&pass.rgb(**pixel))).count();
+        let values = if lit > 0 { pixels.iter().map(|pixel| pass.rgb(*pixel)).collect() } else { Vec::new() };
+        Self { values, lit }
+    }
 }
 
-fn blacken(picture: &mut Image, pixels: &[usize]) {
-    for plane in picture.channels_mut() {
-        pixels.iter().for_each(|&pixel| plane[pixel] = 0.0);
-    }
+fn is_black(values: &[f32; 3]) -> bool {
+    values.iter().all(|value| *value == 0.0)
 }

@@ -147,7 +147,10 @@ impl Task<'_> {
             *stack = read_again(read, stack, noisy)?;
         }
         let mut rebuilt = std::mem::take(&mut reconstruction.passes);
-        empty.blacken_passes(&mut rebuilt);
+        for (pass, lit) in passes.iter().zip(empty.restore_passes(&mut rebuilt)).filter(|(_, lit)| *lit > 0) {
+            progress
+                .say(&format!("{}: {lit} pixels where the picture is empty keep their light as it came", pass.name));
+        }
         passes.iter().zip(rebuilt).for_each(|(pass, rebuilt)| pass.replace(stack, rebuilt));
         Ok(Rebuilt { reconstruction, noisy, empty })
     }
