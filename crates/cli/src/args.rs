@@ -425,7 +425,8 @@ pub struct ExperimentArgs {
     pub seeds: u64,
     #[command(flatten)]
     pub picture: PictureArgs,
-    /// A setting to change, as the flags of `render` are called; may be given more than once.
+    /// A setting to change, as the flags of `render` are called; may be given more than once. What the experiment sets
+    /// itself cannot be changed.
     #[arg(long = "set", value_name = "FLAG=VALUE")]
     pub changes: Vec<String>,
     /// Program that denoises a stack with Open Image Denoise, called with the stack and `-o DIR`, for instance "python
@@ -446,12 +447,21 @@ impl ExperimentArgs {
     /// When there is no such flag, or it does not take the value.
     pub fn settings(&self) -> anyhow::Result<Settings> {
         let mut settings = Settings::of(self.picture.preset.unwrap_or_default());
+        self.change(&mut settings)?;
+        Ok(settings)
+    }
+
+    /// Changes `settings` as asked for.
+    ///
+    /// # Errors
+    /// As [`Self::settings`].
+    pub fn change(&self, settings: &mut Settings) -> anyhow::Result<()> {
         for change in &self.changes {
             let (flag, value) =
                 change.split_once('=').ok_or_else(|| usage(format!("--set {change}: expected FLAG=VALUE")))?;
             settings.set(flag, value).ok_or_else(|| usage(format!("--set: no setting is called {flag}")))??;
         }
-        Ok(settings)
+        Ok(())
     }
 }
 

@@ -28,7 +28,7 @@ struct Judged {
     mean_weight: f64,
 }
 
-/// Runs the experiment on every folder given.
+/// Runs the experiment on every folder given; writes what is made without a guide beside what is made with each.
 ///
 /// # Errors
 /// When a folder cannot be read, or a stack not be rebuilt.
@@ -41,6 +41,7 @@ pub fn run(args: &ExperimentArgs, progress: &Progress) -> Result<Vec<Table>> {
         progress.say(&format!("{}: rebuilt without a guide", case.name));
         let settings = args.settings()?;
         let rebuilt = reconstruct(&case.stack, &settings.reconstruction, progress)?;
+        write_picture(&args.output.join(format!("{}-without.exr", case.name)), &rebuilt.picture)?;
         for kind in kinds(&case, &rebuilt.picture, progress)? {
             let judged = judge(&case, &rebuilt, kind, &settings, args, progress)?;
             table.rows.push(row(&case.name, &judged));

@@ -112,7 +112,8 @@ fn judge(case: &Case, args: &ExperimentArgs, progress: &Progress) -> Result<Vec<
     let mut cells = Vec::new();
     for (method, preset, flags) in METHODS {
         progress.say(&format!("{}: {method}", case.name));
-        let settings = settings(*preset, flags)?;
+        let mut settings = settings(*preset, flags)?;
+        args.change(&mut settings)?;
         let start = Instant::now();
         let picture = reconstruct(&case.stack, &settings.reconstruction, progress)?.picture;
         let seconds = Some(start.elapsed().as_secs_f64());

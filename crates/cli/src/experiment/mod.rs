@@ -2,6 +2,7 @@
 
 mod calibration;
 mod case;
+mod changes;
 mod chooser;
 mod degrade;
 mod errormap;
@@ -35,6 +36,7 @@ pub fn run(args: &ExperimentArgs) -> Result<Verdict> {
     if args.inputs.is_empty() && args.name.needs_inputs() {
         return Err(usage("this experiment needs inputs; tamis help experiment says which"));
     }
+    changes::check(args)?;
     start_threads(&args.report)?;
     interrupt::listen();
     std::fs::create_dir_all(&args.output)
