@@ -7,8 +7,8 @@
 //! `selection`). A second pass filters what noise is left (section 5.4). The fits are those of `crate::collaborative`.
 //!
 //! Against the authors' program: weights and choices are shared by the colour channels; variances are ½ a pixel's own
-//! and ½ that of 3×3 pixels, since those of half-buffers are noisy; a faint ridge stands in for their rank-revealing
-//! decomposition. Fireflies are no matter of the paper: they stay.
+//! and ½ that of 3×3 pixels, as far as that is no more than four times its own, since those of half-buffers are noisy; a faint
+//! ridge stands in for their rank-revealing decomposition. Fireflies are no matter of the paper: they stay.
 
 mod features;
 mod selection;
@@ -48,6 +48,9 @@ const BANDWIDTHS: [f32; 2] = [0.5, 1.0];
 const FINAL_BANDWIDTH: f32 = 1.0;
 /// Added to every variance of colour, so that noiseless patches have a distance.
 const LEAST_VARIANCE: f32 = 1e-7;
+/// Most of the variance around a pixel that counts, in units of its own. A thin bright edge is noisy where few samples are; a
+/// dark pixel beside it that was thought as noisy would look like the edge, and a fit through both falls below zero.
+const MOST_AROUND: f32 = 4.0;
 
 /// The colour of a component: both halves, and the variance of a half.
 #[derive(Clone, Debug)]
@@ -180,12 +183,12 @@ fn whole_halves(mut halves: [Image; 2], mean: &Image, counts: &SampleCounts) -> 
     halves
 }
 
-/// Variance of a half from that of the whole, ½ its own and ½ that of the 3×3 pixels around it.
+/// Variance of a half from that of the whole, ½ its own and ½ that of the 3×3 pixels around it, up to [`MOST_AROUND`].
 fn variance_of_half(mut variance: Image) -> Image {
     let size: Size = variance.size();
     for plane in variance.channels_mut() {
         let smooth = box_mean(plane, size, 1);
-        plane.iter_mut().zip(&smooth).for_each(|(v, smooth)| *v += smooth + LEAST_VARIANCE);
+        plane.iter_mut().zip(&smooth).for_each(|(v, smooth)| *v += smooth.min(MOST_AROUND * *v) + LEAST_VARIANCE);
     }
     variance
 }

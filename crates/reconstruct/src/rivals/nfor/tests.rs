@@ -77,6 +77,18 @@ fn noise_shrinks_and_the_error_map_bounds_what_is_left() {
     assert!((energy - 1.0).abs() < 0.01, "{energy}");
 }
 
+/// A dark pixel beside a thin bright edge of few samples would look like the edge to patches, if it was thought as noisy.
+#[test]
+fn a_pixel_takes_little_noise_from_a_noisier_line_beside_it() {
+    let own = |i: usize| if i / SIZE.width == 14 { 25.0 } else { 1e-4 };
+    let variance = Image::from_channels(SIZE, vec![(0..SIZE.pixels()).map(own).collect(); 3]);
+    let found = variance_of_half(variance);
+    let at = |row: usize| found.channels()[1][SIZE.index(9, row)];
+    assert!((at(13) / 5e-4 - 1.0).abs() < 0.01, "{}", at(13));
+    assert!((at(14) / (25.0 + 25.0 / 3.0) - 1.0).abs() < 0.01, "half of its own, half of that around it: {}", at(14));
+    assert!((at(5) / 2e-4 - 1.0).abs() < 0.01, "{}", at(5));
+}
+
 #[test]
 fn without_buckets_it_says_what_is_missing() {
     let mut stack = stack(0.1, 0.0);
