@@ -264,7 +264,10 @@ fn header_of(read: &ReadStack, settings: &reconstruct::Settings) -> StackHeader 
             recorded.insert(RECONSTRUCTION.into(), rebuilt);
             StackHeader { settings: recorded.into(), ..header.clone() }
         }
-        None => StackHeader::of(&read.stack, json!({ RECONSTRUCTION: rebuilt })),
+        None => {
+            let header = StackHeader::of(&read.stack, json!({ RECONSTRUCTION: rebuilt }));
+            StackHeader { samples_unknown: read.found.spp.is_none(), ..header }
+        }
     }
 }
 

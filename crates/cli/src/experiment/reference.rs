@@ -92,6 +92,7 @@ fn trace(
         per_bucket: None,
         settings: settings.to_json(),
         record: Some(record_of(&shown, settings.trace.seed, counts)),
+        samples_unknown: false,
     };
     let result = ResultLayer { name: "", channels: &["R", "G", "B"], planes: picture.channels() };
     Ok(write_stack(file, &finished.stack, true, &header, &[result], &Carried::default())?)

@@ -198,6 +198,7 @@ impl Render<'_> {
             per_bucket: None,
             settings: self.plan.settings.to_json(),
             record: Some(record_of(&self.shown, trace.seed, counts)),
+            samples_unknown: false,
         }
     }
 

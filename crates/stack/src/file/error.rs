@@ -106,7 +106,10 @@ pub enum FileError {
         found: String,
     },
     /// Several layers have an equal claim to a role.
-    #[error("{path}: several layers could be {slot}: {candidates}; choose one with --map {slot}=LAYER (or none)")]
+    #[error(
+        "{path}: several layers could be {slot}: {candidates}; choose one with --map {slot}=LAYER{}",
+        or_none(slot)
+    )]
     Ambiguous {
         /// The file.
         path: PathBuf,
@@ -175,6 +178,11 @@ pub enum FileError {
     },
 }
 
+/// What else `--map` may say of a role: nothing is a picture without colour.
+fn or_none(slot: &str) -> &'static str {
+    if slot == "colour" { "" } else { " (or none)" }
+}
+
 impl FileError {
     /// Whose fault this is.
     pub fn fault(&self) -> Fault {
@@ -193,5 +201,21 @@ impl FileError {
 
     pub(super) fn io(path: &Path, action: Action, source: std::io::Error) -> Self {
         Self::Io { path: path.into(), action, source }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tie_may_be_settled_by_none_but_for_colour() {
+        let tie = |slot: &str| FileError::Ambiguous {
+            path: "a.exr".into(),
+            slot: slot.into(),
+            candidates: "'x', 'y'".into(),
+        };
+        assert!(tie("albedo").to_string().ends_with("choose one with --map albedo=LAYER (or none)"));
+        assert!(tie("colour").to_string().ends_with("choose one with --map colour=LAYER"));
     }
 }

@@ -86,7 +86,7 @@ pub fn read_own(mut layers: Layers, header: StackHeader) -> Result<ReadStack, Fi
     layers.channels.retain(|channel| !is_result(&channel.name) && !belongs(&channel.name, SAMPLES));
     let Layers { window, film, channels: passthrough, carried, .. } = layers;
     let stack = FeatureStack { window, film, samples, components, indirect, gathered, features, passthrough };
-    let found = found_in(&stack);
+    let found = found_in(&stack, header.samples_unknown);
     Ok(ReadStack { stack, header: Some(header), notes: found.lines(), found, carried })
 }
 
@@ -114,8 +114,8 @@ fn missing(wanted: &'static str, expected: &str, layers: &Layers) -> FileError {
     FileError::Missing { path: layers.path.clone(), wanted, expected: expected.into(), found: layers.names() }
 }
 
-/// What there is to say of a stack of ours.
-pub fn found_in(stack: &FeatureStack) -> Found {
+/// What there is to say of a stack of ours, whose number of samples may be unknown.
+pub fn found_in(stack: &FeatureStack, samples_unknown: bool) -> Found {
     let role = |role: &str, layer: &str, channels: &[&str]| FoundRole {
         role: role.into(),
         channels: full_names(layer, channels),
@@ -130,8 +130,8 @@ pub fn found_in(stack: &FeatureStack) -> Found {
     let roles = stack.components.iter().map(component);
     let light = stack.parts_of_light().map(|(layer, _)| role(layer, layer, &["R", "G", "B"]));
     let features = stack.features.iter().map(|f| role(f.role.layer(), f.role.layer(), f.role.channels()));
-    let spp = Spp { total: stack.samples.total.clone(), from: "samples.Y".into() };
-    let mut found = Found { renderer: "Tamis".into(), spp: Some(spp.found()), ..Found::default() };
+    let spp = || Spp { total: stack.samples.total.clone(), from: "samples.Y".into() }.found();
+    let mut found = Found { renderer: "Tamis".into(), spp: (!samples_unknown).then(spp), ..Found::default() };
     found.roles = roles.chain(light).chain(features).collect();
     found.conclude(stack);
     found
@@ -159,8 +159,9 @@ fn take_estimate(
     Some(Estimate { mean, noise: variance.map_or(Noise::Unknown, Noise::VarianceOfMean) })
 }
 
-/// A render of ours as one bucket among others: its components are one, and only its means count.
-pub fn load_own(mut layers: Layers) -> Loaded {
+/// A render of ours as one bucket among others: its components are one, and only its means count. Where the number of its
+/// samples is unknown, its counts are no number of samples.
+pub fn load_own(mut layers: Layers, samples_unknown: bool) -> Loaded {
     let mut colour = Image::zeros(layers.window.size, 3);
     for role in ComponentRole::ALL {
         let part = take_image(&mut layers, &full_names(role.layer(), &["R", "G", "B"]));
@@ -172,7 +173,7 @@ pub fn load_own(mut layers: Layers) -> Loaded {
         let mean = take_image(&mut layers, &full_names(role.layer(), role.channels()));
         planes.extend(mean.map(|mean| plane(Role::Feature(role), mean)));
     }
-    let total = layers.take("samples.Y");
+    let total = layers.take("samples.Y").filter(|_| !samples_unknown);
     let spp = total.map(|total| Spp { total: rounded(&total, 1.0), from: "samples.Y".into() });
     layers.channels.retain(|channel| !is_own_channel(&channel.name));
     let mut found = Found { renderer: "Tamis".into(), spp: spp.as_ref().map(Spp::found), ..Found::default() };

@@ -106,7 +106,12 @@ fn load_renders(paths: &[PathBuf], options: &ReadOptions, open: Open<'_>) -> Res
     let mut renders: Vec<Loaded> = Vec::new();
     for (nth, path) in paths.iter().enumerate() {
         let layers = open(path, Taken::Means)?;
-        let mut render = if is_own(&layers) { load_own(layers) } else { load(layers, options, nth, true)? };
+        let mut render = if is_own(&layers) {
+            let samples_unknown = header_of(&layers)?.is_some_and(|header| header.samples_unknown);
+            load_own(layers, samples_unknown)
+        } else {
+            load(layers, options, nth, true)?
+        };
         for before in &renders {
             let [now, before] = [&render.rest, &before.rest].map(|layers| (&*layers.path, layers.window));
             check_window(now, before)?;

@@ -27,7 +27,7 @@ impl Record {
         let header = header_of(layers).ok().flatten();
         let channel = format!("{SAMPLES}.Y");
         // Elsewhere a layer of this name may hold fractions, or counts of something else.
-        let counts = header.is_some().then(|| layers.take(&channel)).flatten();
+        let counts = header.as_ref().and_then(|header| layers.take(&channel).filter(|_| !header.samples_unknown));
         Self {
             software: layers.carried.text("software"),
             spp: counts.map(|plane| Spp { total: rounded(&plane, 1.0), from: channel }.found()),

@@ -53,7 +53,7 @@ fn header() -> StackHeader {
     let held = vec![crate::merge::Held { first: 0, end: 12, seed: u64::MAX }];
     let record = Some(crate::merge::Record { view: serde_json::json!({"camera": {"fov": 45.5}}), held });
     let settings = serde_json::json!({"seed": 3});
-    StackHeader { first: 0, sequences: 8, buckets: 8, per_bucket: None, settings, record }
+    StackHeader { first: 0, sequences: 8, buckets: 8, per_bucket: None, settings, record, samples_unknown: false }
 }
 
 #[test]
@@ -68,6 +68,26 @@ fn a_stack_is_read_back_bit_for_bit() {
     assert_eq!(read.header.unwrap(), header());
     assert_eq!(read.stack, stack);
     assert_eq!(read_picture(&path).unwrap(), picture);
+}
+
+#[test]
+fn counts_of_samples_that_nobody_knows_are_no_number_of_samples() {
+    let folder = tempfile::tempdir().unwrap();
+    for samples_unknown in [false, true] {
+        let path = folder.path().join(format!("{samples_unknown}.exr"));
+        let header = StackHeader { samples_unknown, record: None, ..header() };
+        write_stack(&path, &stack(), true, &header, &[], &Carried::default()).unwrap();
+        let read = read_stack(&path).unwrap();
+        assert_eq!(read.stack, stack());
+        assert_eq!(read.found.spp.is_none(), samples_unknown, "{:?}", read.notes);
+        let (mut other, second) = (stack(), folder.path().join("second.exr"));
+        let planes = other.components.iter_mut().flat_map(|part| part.radiance.mean.channels_mut());
+        planes.flatten().for_each(|value| *value *= 1.5);
+        write_stack(&second, &other, true, &header, &[], &Carried::default()).unwrap();
+        assert_eq!(read_buckets(&[path.clone(), second]).unwrap().found.spp.is_none(), samples_unknown);
+        let (_, record) = read_picture_with_record(&path).unwrap();
+        assert_eq!(record.spp.is_none(), samples_unknown);
+    }
 }
 
 #[test]

@@ -53,7 +53,7 @@ pub(super) fn read_slices(paths: &[PathBuf], open: Open<'_>) -> Result<ReadStack
     }
     let Some((sum, carried)) = sum else { return Err(FileError::Unclear { reason: "no file given".into() }) };
     let (stack, header) = sum.finish();
-    let mut found = found_in(&stack);
+    let mut found = found_in(&stack, false);
     if paths.len() > 1 {
         found.remarks.push(format!("{} files add up to {}", paths.len(), in_words(header.record.as_ref())));
     }

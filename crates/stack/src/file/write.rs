@@ -32,14 +32,24 @@ pub struct StackHeader {
     /// Which samples of what a render holds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub record: Option<Record>,
+    /// Whether its counts only share samples out among buckets, for how many there are nobody knows.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub samples_unknown: bool,
 }
 
 impl StackHeader {
     /// What `stack`, which no film of ours made, is to us: as many sequences as buckets.
     pub fn of(stack: &FeatureStack, settings: serde_json::Value) -> Self {
         let buckets = stack.samples.dealing.buckets() as u32;
-        let header =
-            Self { first: stack.samples.first, sequences: buckets, buckets, per_bucket: None, settings, record: None };
+        let header = Self {
+            first: stack.samples.first,
+            sequences: buckets,
+            buckets,
+            per_bucket: None,
+            settings,
+            record: None,
+            samples_unknown: false,
+        };
         match &stack.samples.dealing {
             Dealing::Numbered { sequences, .. } => Self { sequences: *sequences, ..header },
             Dealing::PerPixel(_) => header,

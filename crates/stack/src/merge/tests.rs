@@ -33,7 +33,15 @@ fn slice(first: u32, total: Vec<u32>, seed: u64, [sequences, buckets]: [u32; 2])
     let end = first + counts.total.iter().max().unwrap();
     let record = Record { view: json!({"scene": "box", "fov": 45}), held: vec![Held { first, end, seed }] };
     let settings = json!({});
-    let header = StackHeader { first, sequences, buckets, per_bucket: None, settings, record: Some(record) };
+    let header = StackHeader {
+        first,
+        sequences,
+        buckets,
+        per_bucket: None,
+        settings,
+        record: Some(record),
+        samples_unknown: false,
+    };
     let stack = FeatureStack {
         window: Window::whole(SIZE),
         film: SIZE,
