@@ -36,7 +36,7 @@ pub fn jobs(args: &DenoiseArgs) -> Result<Option<Vec<Job>>> {
     let outputs = &args.rebuild.output.output;
     let sources: Vec<Source> = args.input.iter().map(|text| Source::parse(text)).collect();
     let many_out = |path: &PathBuf| is_folder(path) || has_number(path);
-    if sources.is_empty() || !(sources.iter().any(is_pattern) || outputs.iter().any(many_out)) {
+    if sources.is_empty() || !(sources.iter().any(|source| is_pattern(&source.path)) || outputs.iter().any(many_out)) {
         return Ok(None);
     }
     if let Some(single) = outputs.iter().find(|path| !many_out(path)) {
@@ -80,13 +80,13 @@ fn has_number(path: &Path) -> bool {
 }
 
 /// Whether an input stands for the frames of a sequence.
-fn is_pattern(source: &Source) -> bool {
-    has_number(&source.path) && !source.path.exists()
+pub fn is_pattern(path: &Path) -> bool {
+    has_number(path) && !path.exists()
 }
 
 /// The files of each stack, with the number of its frame where there is one.
 fn stacks(sources: Vec<Source>) -> Result<Vec<(Vec<Source>, String)>> {
-    if sources.iter().all(is_pattern) {
+    if sources.iter().all(|source| is_pattern(&source.path)) {
         let mut frames = Vec::new();
         for number in numbers(&sources[0].path)? {
             let filled = |source: &Source| Source { path: fill(&source.path, &number), ..source.clone() };

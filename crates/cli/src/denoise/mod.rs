@@ -40,6 +40,15 @@ fn store_pipes(args: &mut DenoiseArgs, spool: &mut Spool) -> Result<()> {
 }
 
 fn run_on_files(args: &DenoiseArgs, matches: &ArgMatches, spool: &Spool) -> Result<Verdict> {
+    let files = args.input.iter().map(|text| Source::parse(text).path);
+    if let Some(folder) = files.into_iter().find(|file| file.is_dir()) {
+        let folder = folder.display();
+        return Err(usage(format!("{folder}: expected files, found a folder; name them, as {folder}/*.exr does")));
+    }
+    let renders = args.half_a.iter().chain(&args.half_b).chain(&args.buckets);
+    if let Some(pattern) = renders.into_iter().find(|path| batch::is_pattern(path)) {
+        return Err(usage(format!("{}: only INPUT may have #### for the numbers of frames", pattern.display())));
+    }
     if let Some(jobs) = batch::jobs(args)? {
         if let Some(pipe) = spool.first_name() {
             return Err(usage(format!("{pipe} has no name to be written under: give a file as output")));
@@ -48,6 +57,9 @@ fn run_on_files(args: &DenoiseArgs, matches: &ArgMatches, spool: &Spool) -> Resu
             return Err(usage("--guide is one picture: denoise one stack at a time"));
         }
         return batch::run(args, matches, &jobs);
+    }
+    if args.resume {
+        return Err(usage("--resume leaves out some of several pictures, and this is one: leave it away"));
     }
     let (rebuild, output) = (&args.rebuild, args.rebuild.output.clone());
     let guide = args.guide.as_deref().map(|file| (file, spool.name_of(file)));

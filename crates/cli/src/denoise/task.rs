@@ -137,7 +137,11 @@ impl Task<'_> {
         progress: &Progress,
     ) -> Result<Rebuilt> {
         let passes = passes(self.wishes.also, stack)?;
-        let images: Vec<Image> = passes.iter().map(|pass| pass.image(stack)).collect();
+        let (images, mended): (Vec<Image>, Vec<usize>) = passes.iter().map(|pass| pass.image(stack)).unzip();
+        for (pass, mended) in passes.iter().zip(mended).filter(|(_, mended)| *mended > 0) {
+            progress
+                .say(&format!("{}: mended {mended} values that are no numbers (median of the neighbours)", pass.name));
+        }
         let beauty = stack.beauty();
         let (noisy, empty) = (mean_radiance(&beauty), EmptyPixels::of(stack, &beauty, &images));
         drop(beauty);

@@ -118,6 +118,14 @@ pub enum FileError {
         /// The layers.
         candidates: String,
     },
+    /// It is said of a file of ours what it is.
+    #[error("{path}: was written by Tamis and says itself what it holds; leave {flag} away")]
+    SaysItself {
+        /// The file.
+        path: PathBuf,
+        /// What was said.
+        flag: &'static str,
+    },
     /// Files that are no stack together.
     #[error("{reason}; say what they are with role=FILE, or give a folder as output for several pictures")]
     Unclear {
@@ -193,7 +201,9 @@ impl FileError {
                 Fault::Usage
             }
             Self::Io { action: Action::Write, .. } => Fault::Machine,
-            Self::TooFewBuckets { .. } | Self::Unclear { .. } | Self::SampleCounts { .. } => Fault::Usage,
+            Self::TooFewBuckets { .. } | Self::Unclear { .. } | Self::SampleCounts { .. } | Self::SaysItself { .. } => {
+                Fault::Usage
+            }
             Self::Merge(cause) => cause.fault(),
             _ => Fault::Input,
         }

@@ -104,6 +104,11 @@ pub fn load(mut layers: Layers, options: &ReadOptions, nth: usize, apart: bool) 
             found.roles.push(found_role(m, None));
         }
     }
+    if options.variance_is.is_some()
+        && recognised.matches.iter().all(|m| !matches!(m.slot.measure, Measure::Variance(_)))
+    {
+        found.remarks.push("there is no variance of which --variance-is could say the kind".into());
+    }
     found.spp = spp.as_ref().map(Spp::found);
     Ok(Loaded { planes, spp, found, rest: layers, own: false })
 }

@@ -3,6 +3,7 @@
 use exr::prelude::{FlatSamples, f16};
 
 use super::layer_list::{LayerNames, layers_of, normalise};
+use super::mend::make_finite;
 use crate::{Fault, FeatureStack, Image};
 
 /// A layer of three channels among those that a stack carries along.
@@ -17,7 +18,7 @@ pub struct Pass {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PassError {
     /// There is none of that name.
-    #[error("no pass is called '{name}': expected one of {}", list(passes))]
+    #[error("no pass is called '{name}': {}", expected(passes))]
     Unknown {
         /// What was asked for.
         name: String,
@@ -25,7 +26,7 @@ pub enum PassError {
         passes: Vec<String>,
     },
     /// There are several.
-    #[error("'{name}' may be each of {}: give the full name", list(passes))]
+    #[error("'{name}' may be each of {}: give the full name", passes.join(", "))]
     Ambiguous {
         /// What was asked for.
         name: String,
@@ -34,8 +35,11 @@ pub enum PassError {
     },
 }
 
-fn list(names: &[String]) -> String {
-    if names.is_empty() { "none (no layer of colours is carried along)".into() } else { names.join(", ") }
+fn expected(names: &[String]) -> String {
+    if names.is_empty() {
+        return "no layer of colours is carried along".into();
+    }
+    format!("expected one of {}", names.join(", "))
 }
 
 impl PassError {
@@ -70,16 +74,19 @@ impl Pass {
         }
     }
 
-    /// Its values.
+    /// Its values, and how many of them were no finite numbers: a single one would spoil all that is rebuilt around it, so
+    /// they are mended as those of the picture are.
     ///
     /// # Panics
     /// When `stack` is not the one it was found in.
-    pub fn image(&self, stack: &FeatureStack) -> Image {
+    pub fn image(&self, stack: &FeatureStack) -> (Image, usize) {
         let plane = |channel: usize| {
             let channel = &stack.passthrough[channel];
             (0..stack.size().pixels()).map(|pixel| channel.value(pixel)).collect()
         };
-        Image::from_channels(stack.size(), self.channels.map(plane).into())
+        let mut image = Image::from_channels(stack.size(), self.channels.map(plane).into());
+        let mended = make_finite(&mut image);
+        (image, mended)
     }
 
     /// Puts `image` in its place, as the type of number that was there; what is too large for half precision becomes the
@@ -145,16 +152,27 @@ mod tests {
     }
 
     #[test]
+    fn what_is_no_number_is_the_median_around_it() {
+        let mut stack = stack();
+        let group = Pass::find(&stack, "Other.Group").unwrap();
+        let (green, blue) = (group.channels[1], group.channels[2]);
+        stack.passthrough[green].samples = FlatSamples::F32(vec![f32::NAN, 3.0]);
+        stack.passthrough[blue].samples = FlatSamples::F32(vec![f32::INFINITY; 2]);
+        let (image, mended) = group.image(&stack);
+        assert_eq!((image.rgb(0), image.rgb(1), mended), ([3.0, 3.0, 0.0], [3.0, 3.0, 0.0], 3));
+    }
+
+    #[test]
     fn passes_are_found_by_their_names_and_keep_their_numbers() {
         let mut stack = stack();
         let pass = Pass::find(&stack, "diffdir").unwrap();
-        assert_eq!((pass.name.as_str(), pass.image(&stack).rgb(1)), ("View.DiffDir", [0.0, 1.0, 2.0]));
+        assert_eq!((pass.name.as_str(), pass.image(&stack).0.rgb(1)), ("View.DiffDir", [0.0, 1.0, 2.0]));
         pass.replace(&mut stack, Image::from_channels(Size::new(2, 1), vec![vec![0.5; 2]; 3]));
-        assert_eq!(pass.image(&stack).rgb(0), [0.5; 3]);
+        assert_eq!(pass.image(&stack).0.rgb(0), [0.5; 3]);
         assert!(matches!(stack.passthrough[0].samples, FlatSamples::F16(_)));
         pass.replace(&mut stack, Image::from_channels(Size::new(2, 1), vec![vec![7e4, -1e30]; 3]));
-        assert_eq!([0, 1].map(|pixel| pass.image(&stack).rgb(pixel)[0]), [65504.0, -65504.0]);
-        assert_eq!(Pass::find(&stack, "Other.Group").unwrap().image(&stack).rgb(0), [3.0; 3]);
+        assert_eq!([0, 1].map(|pixel| pass.image(&stack).0.rgb(pixel)[0]), [65504.0, -65504.0]);
+        assert_eq!(Pass::find(&stack, "Other.Group").unwrap().image(&stack).0.rgb(0), [3.0; 3]);
     }
 
     #[test]

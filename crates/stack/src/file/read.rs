@@ -94,7 +94,11 @@ pub fn read_buckets(paths: &[PathBuf]) -> Result<ReadStack, FileError> {
 fn read_files(files: &[Source], options: &ReadOptions, open: Open<'_>) -> Result<ReadStack, FileError> {
     let (layers, said) = read_sources(files, Taken::InputsBut(&options.leave_out), open)?;
     match header_of(&layers)? {
-        Some(header) if is_own(&layers) => read_own(layers, header),
+        Some(header) if is_own(&layers) => {
+            let spp = Some("--spp").filter(|_| !options.spp.is_empty());
+            says_itself(&layers.path, spp.or_else(|| said_of(options)))?;
+            read_own(layers, header)
+        }
         _ => {
             let map = said.into_iter().chain(options.map.iter().cloned()).collect();
             Ok(alone(load(layers, &ReadOptions { map, ..options.clone() }, 0, false)?))
@@ -102,11 +106,23 @@ fn read_files(files: &[Source], options: &ReadOptions, open: Open<'_>) -> Result
     }
 }
 
+/// The flag that says what the layers of a file are.
+fn said_of(options: &ReadOptions) -> Option<&'static str> {
+    let map = (!options.map.is_empty()).then_some("--map");
+    map.or_else(|| options.variance_is.map(|_| "--variance-is"))
+}
+
+/// Refuses a `flag` about a file of ours.
+fn says_itself(path: &Path, flag: Option<&'static str>) -> Result<(), FileError> {
+    flag.map_or(Ok(()), |flag| Err(FileError::SaysItself { path: path.into(), flag }))
+}
+
 fn load_renders(paths: &[PathBuf], options: &ReadOptions, open: Open<'_>) -> Result<Vec<Loaded>, FileError> {
     let mut renders: Vec<Loaded> = Vec::new();
     for (nth, path) in paths.iter().enumerate() {
         let layers = open(path, Taken::Means)?;
         let mut render = if is_own(&layers) {
+            says_itself(&layers.path, said_of(options))?;
             let samples_unknown = header_of(&layers)?.is_some_and(|header| header.samples_unknown);
             load_own(layers, samples_unknown)
         } else {

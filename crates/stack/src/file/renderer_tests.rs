@@ -670,6 +670,52 @@ fn a_variance_of_unknown_kind_is_not_used_and_said() {
     let options = ReadOptions { variance_is: Some(Convention::Mean), ..ReadOptions::default() };
     let read = read_inputs(&files(&[path]), &options).unwrap();
     assert!(matches!(colour(&read).noise, Noise::VarianceOfMean(_)));
+    assert!(read.notes.iter().all(|note| !note.contains("--variance-is")), "{:?}", read.notes);
+    let without = folder.exr("without.exr", &["R", "G", "B"], &noise, &[]);
+    let read = read_inputs(&files(&[without]), &options).unwrap();
+    assert!(read.notes.iter().any(|note| note.contains("--variance-is")), "{:?}", read.notes);
+}
+
+#[test]
+fn features_of_one_half_alone_are_not_used_and_said() {
+    let folder = Files::new();
+    let names = ["R", "G", "B", "albedo.R", "albedo.G", "albedo.B"];
+    let [a, b] = [(6, "a.exr"), (3, "b.exr")].map(|(count, name)| {
+        folder.exr(name, &names[..count], &|channel, pixel| noise(&format!("{name}{channel}"), pixel), &[])
+    });
+    for halves in [[a.clone(), b.clone()], [b.clone(), a.clone()]] {
+        let read = read_inputs(&Inputs::Halves(halves, Vec::new()), &ReadOptions::default()).unwrap();
+        assert!(read.stack.features.is_empty());
+        assert!(
+            read.notes.iter().any(|note| note == "albedo is in one half alone, and is not used"),
+            "{:?}",
+            read.notes
+        );
+        assert!(read.found.roles.iter().all(|found| found.role != "albedo"));
+    }
+    for buckets in [[a.clone(), b.clone()], [b, a]] {
+        let error = read_buckets(&buckets).unwrap_err().to_string();
+        assert!(error.contains("b.exr: no albedo"), "{error}");
+    }
+}
+
+#[test]
+fn renders_of_different_pictures_are_noticed() {
+    let folder = Files::new();
+    let render = |name: &str, of: &str| {
+        let value = |channel: &str, pixel: usize| {
+            let picture = if of == "steps" { (pixel / 24) as f32 } else { (pixel % 8 / 4) as f32 };
+            0.3 + 0.5 * picture + 0.01 * noise(&format!("{name}{channel}"), pixel)
+        };
+        folder.exr(name, &["R", "G", "B"], &value, &[])
+    };
+    let [a, b, c] = [("a.exr", "steps"), ("b.exr", "steps"), ("c.exr", "sides")].map(|(name, of)| render(name, of));
+    let said = |buckets: &[std::path::PathBuf]| {
+        read_buckets(buckets).unwrap().notes.into_iter().find(|note| note.contains("resembles"))
+    };
+    assert_eq!(said(&[a.clone(), b.clone()]), None);
+    let expected = "render 3 hardly resembles render 1 in colour: halves and buckets are renders of one picture";
+    assert_eq!(said(&[a, b, c]).as_deref(), Some(expected));
 }
 
 #[test]

@@ -128,10 +128,19 @@ fn parts(sources: &[Source]) -> Result<Vec<Part>, FileError> {
             (0..parts.len()).filter(|i| matches!(parts[*i], Part::Other(_)) && !is_known_other(&sources[*i])).collect();
         match unknown[..] {
             [only] => parts[only] = Part::Main,
+            _ if parts.iter().all(is_half) => {
+                return Err(unclear(
+                    "these are halves without their mean: give them with --half-a and --half-b".into(),
+                ));
+            }
             _ => return Err(unclear("several files, and no name says which of them is the colour".into())),
         }
     }
     Ok(parts)
+}
+
+fn is_half(part: &Part) -> bool {
+    matches!(part, Part::Slot(Slot { measure: Measure::HalfA | Measure::HalfB, .. }, _))
 }
 
 fn part(source: &Source) -> Part {
@@ -200,6 +209,8 @@ mod tests {
             assert!(!is_one_stack(&sources(several)), "{several:?}");
         }
         assert!(is_one_stack(&sources(&["color.exr", "albedo.exr"])));
+        let error = parts(&sources(&["colorA.exr", "colorB.exr"])).unwrap_err().to_string();
+        assert!(error.contains("--half-a"), "{error}");
         let error = parts(&sources(&["color.exr", "albedo.exr", "x_albedo.exr"])).unwrap_err().to_string();
         assert!(error.contains("x_albedo.exr") && error.contains("role=FILE"), "{error}");
     }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::counts::Spp;
 use super::emission::split_emission;
-use super::independence::check_independent;
+use super::independence::{check_independent, is_unlike};
 use super::loaded::{Loaded, Plane, mend_all};
 use super::role::Role;
 use super::shared_noise::shares_noise;
@@ -108,23 +108,48 @@ pub fn several(
         .collect();
     join_emission(&mut means);
     let mut first = renders.swap_remove(0);
+    first.found.remarks.extend(what_differs(&means));
     if given.len() != paths.len() && renders.iter().any(|render| render.spp.is_none()) {
         // They count alike then, and what the first says is not how many there are.
         first.spp = None;
     }
-    let roles: Vec<Role> = means[0].iter().map(|(role, _)| *role).collect();
+    let mut roles: Vec<Role> = Vec::new();
+    for (role, _) in means.iter().flatten() {
+        if !roles.contains(role) {
+            roles.push(*role);
+        }
+    }
     let mut estimates = Vec::new();
     for role in roles {
         let buckets: Vec<Option<Image>> = means.iter_mut().map(|planes| take(planes, role)).collect();
         let absent = buckets.iter().position(Option::is_none);
         match absent {
-            Some(_) if halves => continue,
+            Some(_) if halves => {
+                first.found.remarks.push(format!("{} is in one half alone, and is not used", role.name()));
+                first.found.roles.retain(|found| found.role != role.name());
+                continue;
+            }
             Some(which) => return Err(missing(&paths[which], role)),
             None => {}
         }
         estimates.push((role, Estimate::from_buckets(buckets.into_iter().flatten().collect(), &samples)));
     }
     Ok(finish(first, samples, estimates))
+}
+
+/// What is said of the first render that shows something else than the first of all.
+fn what_differs(means: &[Vec<(Role, Image)>]) -> Option<String> {
+    let (first, others) = means.split_first()?;
+    let unlike = |other: &Vec<(Role, Image)>| -> Vec<&str> {
+        let pairs = first.iter().filter_map(|(role, a)| Some((role, a, &other.iter().find(|(r, _)| r == role)?.1)));
+        pairs.filter(|(_, a, b)| is_unlike(a, b)).map(|(role, ..)| role.name()).collect()
+    };
+    let (nth, roles) = others.iter().map(unlike).enumerate().find(|(_, roles)| !roles.is_empty())?;
+    Some(format!(
+        "render {} hardly resembles render 1 in {}: halves and buckets are renders of one picture",
+        nth + 2,
+        roles.join(", ")
+    ))
 }
 
 fn take(planes: &mut Vec<(Role, Image)>, role: Role) -> Option<Image> {
@@ -148,7 +173,7 @@ fn missing(path: &std::path::Path, role: Role) -> FileError {
     FileError::Missing {
         path: path.into(),
         wanted: role.name(),
-        expected: "the same features as in the other buckets".into(),
+        expected: "of what the other renders have".into(),
         found: "none of that role".into(),
     }
 }

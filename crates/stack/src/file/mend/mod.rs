@@ -62,17 +62,20 @@ pub fn mend_role(role: Role, images: &mut [&mut Image], list: &mut Vec<Mended>) 
 
 /// Replaces what is no finite number by the median of its finite neighbours.
 fn smooth_over(role: Role, images: &mut [&mut Image], list: &mut Vec<Mended>) {
-    let mut count = 0;
-    for image in images {
-        let size = image.size();
-        for plane in image.channels_mut() {
-            let bad: Vec<usize> = (0..plane.len()).filter(|i| !plane[*i].is_finite()).collect();
-            let better: Vec<f32> = bad.iter().map(|i| median_around(plane, size, *i)).collect();
-            count += bad.len();
-            bad.into_iter().zip(better).for_each(|(i, value)| plane[i] = value);
-        }
-    }
+    let count = images.iter_mut().map(|image| make_finite(image)).sum();
     note(list, format!("values of {} that are no numbers (median of the neighbours)", role.name()), count);
+}
+
+/// The same for one image; how many values there were.
+pub fn make_finite(image: &mut Image) -> usize {
+    let (size, mut count) = (image.size(), 0);
+    for plane in image.channels_mut() {
+        let bad: Vec<usize> = (0..plane.len()).filter(|i| !plane[*i].is_finite()).collect();
+        let better: Vec<f32> = bad.iter().map(|i| median_around(plane, size, *i)).collect();
+        count += bad.len();
+        bad.into_iter().zip(better).for_each(|(i, value)| plane[i] = value);
+    }
+    count
 }
 
 fn clamp(role: Role, images: &mut [&mut Image], (least, most): (f32, f32), list: &mut Vec<Mended>) {
