@@ -14,7 +14,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::frame::Frame;
+use super::frame::{Frame, above};
 use super::ggx::Ggx;
 use super::{coat_albedo, fresnel};
 
@@ -61,7 +61,7 @@ impl ClearCoat {
     pub(super) fn new(cover: f32, alpha: f32, normal: Vec3, outgoing: Vec3, below: Vec3) -> Self {
         let alpha = alpha.clamp(SMOOTHEST, 1.0);
         let frame = Frame::new(normal);
-        let local_outgoing = super::surface::above(frame.to_local(outgoing));
+        let local_outgoing = above(frame.to_local(outgoing));
         let specular = Vec3::splat(REFLECTANCE);
         let seen = coat_albedo::at_roughness(alpha).directional(local_outgoing.z);
         let more = seen.compensation(specular).x;

@@ -37,6 +37,12 @@ impl Frame {
     }
 }
 
+/// `direction` of a frame with a z above zero, which rounding may have taken from it.
+#[inline]
+pub(super) fn above(direction: Vec3) -> Vec3 {
+    Vec3::new(direction.x, direction.y, direction.z.max(1e-7))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 
 use super::clear_coat::{self, ClearCoat};
-use super::frame::Frame;
+use super::frame::{Frame, above};
 use super::{Coated, Conductor, Diffuse, Glass, Lobe, Mirror, RoughGlass, Scattered, ThinGlass, fresnel};
 use crate::interaction::Interaction;
 use crate::light::Receiver;
@@ -242,12 +242,6 @@ fn may_be_whole(share: &Grey) -> bool {
 /// Whether glass of refractive index `ior` lets all light pass straight.
 fn is_clear(ior: f32) -> bool {
     (ior - 1.0).abs() < CLEAR
-}
-
-/// `direction` with a z above zero, which rounding may have taken from it.
-#[inline]
-pub(super) fn above(direction: Vec3) -> Vec3 {
-    Vec3::new(direction.x, direction.y, direction.z.max(1e-7))
 }
 
 /// The lobe and the albedo feature of `interaction`'s material, seen from the outside or not, with cosine `cosine`.

@@ -12,6 +12,7 @@ mod materials;
 mod nodes;
 mod numbers;
 mod placed_textures;
+mod pose;
 mod poses;
 mod primitives;
 

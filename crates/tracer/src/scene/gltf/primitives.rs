@@ -14,7 +14,7 @@ use super::super::notes::Notes;
 use super::buffers::Buffers;
 use super::materials::Needs;
 use super::numbers::{as_many, indices, shares, vectors};
-use super::poses::Pose;
+use super::pose::Pose;
 
 /// The meshes of `document`, each with all its primitives. `needs` tells what each material has to be told; the last two are
 /// for primitives that have none, without colours of vertices and with.

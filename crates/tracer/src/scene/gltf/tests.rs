@@ -422,10 +422,10 @@ fn a_skin_hangs_on_its_joints() {
 
 #[test]
 fn a_skin_turns_its_normals_with_its_joints() {
-    let turned = super::poses::turned(DVec3::new(0.6, 0.8, 0.0), DMat3::from_diagonal(DVec3::new(2.0, 1.0, 1.0)));
+    let turned = super::pose::turned(DVec3::new(0.6, 0.8, 0.0), DMat3::from_diagonal(DVec3::new(2.0, 1.0, 1.0)));
     assert!((turned - DVec3::new(0.3, 0.8, 0.0).normalize()).length() < 1e-12);
     let quarter = DMat3::from_rotation_z(std::f64::consts::FRAC_PI_2);
-    assert!((super::poses::turned(DVec3::X, quarter) - DVec3::Y).length() < 1e-12);
+    assert!((super::pose::turned(DVec3::X, quarter) - DVec3::Y).length() < 1e-12);
 }
 
 #[test]
