@@ -25,8 +25,7 @@ const ROUNDING: f32 = 1.0 + 1e-6;
 
 /// Stops by which `picture` should be lifted to fill an 8-bit range: all but the brightest 3 % of its pixels stay below
 /// white, as long as that leaves its median at a middle grey. Background that is black but for traces of light, and that of
-/// one colour, do not count. 0 for a
-/// black picture.
+/// one colour, do not count. 0 for a black picture.
 pub fn choose(picture: &Image) -> f32 {
     let mut luminance: Vec<f32> = (0..picture.pixels())
         .map(|pixel| picture.mean_at(pixel))

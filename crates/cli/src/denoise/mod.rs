@@ -59,7 +59,7 @@ fn run_on_files(args: &DenoiseArgs, matches: &ArgMatches, spool: &Spool) -> Resu
         return batch::run(args, matches, &jobs);
     }
     if args.resume {
-        return Err(usage("--resume leaves out some of several pictures, and this is one: leave it away"));
+        return Err(usage("--resume leaves out some of several pictures, and this is one: leave it out"));
     }
     let (rebuild, output) = (&args.rebuild, args.rebuild.output.clone());
     let guide = args.guide.as_deref().map(|file| (file, spool.name_of(file)));
