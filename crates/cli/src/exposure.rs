@@ -23,11 +23,34 @@ const UNIFORM: f64 = 0.05;
 /// How much larger a value is, at most, that is the same but for rounding.
 const ROUNDING: f32 = 1.0 + 1e-6;
 
+/// Which pixels of a picture hold any light in the samples that it was made from. Elsewhere is nothing to see, and what a
+/// reconstruction leaves there by spreading light may be more than the half of all pixels.
+pub struct Lit(Vec<bool>);
+
+impl Lit {
+    /// Those of the picture as it was sampled.
+    pub fn of(noisy: &Image) -> Self {
+        Self((0..noisy.pixels()).map(|pixel| noisy.rgb(pixel) != [0.0; 3]).collect())
+    }
+}
+
+/// [`choose`] for the pixels that are `lit`; for all when none is.
+pub fn choose_for(picture: &Image, lit: &Lit) -> f32 {
+    let seen = |pixel: usize| lit.0[pixel];
+    if lit.0.contains(&true) { choose_among(picture, seen) } else { choose(picture) }
+}
+
 /// Stops by which `picture` should be lifted to fill an 8-bit range: all but the brightest 3 % of its pixels stay below
 /// white, as long as that leaves its median at a middle grey. Background that is black but for traces of light, and that of
 /// one colour, do not count. 0 for a black picture.
 pub fn choose(picture: &Image) -> f32 {
+    choose_among(picture, |_| true)
+}
+
+/// The same for the pixels that count.
+fn choose_among(picture: &Image, counts: impl Fn(usize) -> bool) -> f32 {
     let mut luminance: Vec<f32> = (0..picture.pixels())
+        .filter(|pixel| counts(*pixel))
         .map(|pixel| picture.mean_at(pixel))
         .filter(|value| value.is_finite() && *value > 0.0)
         .collect();
@@ -116,6 +139,17 @@ mod tests {
             let before_traces = of(object.iter().copied().chain(traces).collect());
             assert_eq!(before_traces, of(object.clone()), "1 % of the pixels, traces up to {spread}");
         }
+    }
+
+    #[test]
+    fn where_all_samples_are_black_is_nothing_to_see() {
+        let image = |values: &[f32]| Image::from_channels(Size::new(values.len(), 1), vec![values.to_vec(); 3]);
+        let object: Vec<f32> = (1..=100).map(|i| i as f32 / 100.0).collect();
+        let halo: Vec<f32> = (1..=900).map(|i| 0.01 * i as f32 / 900.0).collect();
+        let [sampled, rebuilt] = [vec![0.0; 900], halo].map(|around| image(&[&object[..], &around].concat()));
+        assert!(choose(&rebuilt) - choose(&image(&object)) > 2.0, "what is around is as bright as a dark room");
+        assert_eq!(choose_for(&rebuilt, &Lit::of(&sampled)), choose(&image(&object)));
+        assert_eq!(choose_for(&rebuilt, &Lit::of(&image(&[0.0; 1000]))), choose(&rebuilt));
     }
 
     #[test]

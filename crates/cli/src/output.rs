@@ -12,7 +12,7 @@ use stack::file::{
 use stack::{FeatureStack, Image};
 
 use crate::args::{DEFAULT_AOV, OutputArgs};
-use crate::exposure;
+use crate::exposure::{self, Lit};
 use crate::failure::usage;
 use crate::progress::Progress;
 
@@ -59,18 +59,18 @@ impl Outputs {
         self.layers.iter().any(|wanted| wanted == layer)
     }
 
-    /// Writes every output.
+    /// Writes every output; the exposure of those that need one is chosen where the samples are `lit`.
     ///
     /// # Errors
     /// When one cannot be written; those before it are complete.
-    pub fn write(&self, written: &Written<'_>, progress: &Progress) -> Result<()> {
+    pub fn write(&self, written: &Written<'_>, lit: &Lit, progress: &Progress) -> Result<()> {
         self.say_what_there_is_not(written, progress);
         for file in &self.files {
             match extension(file).as_str() {
                 "exr" => self.write_exr(file, written)?,
                 "pfm" => write_pfm(file, written.picture)?,
                 "hdr" => write_hdr(file, written.picture)?,
-                _ => write_png(file, written.picture, self.stops(file, written.picture, progress))?,
+                _ => write_png(file, written.picture, self.stops(file, (written.picture, lit), progress))?,
             }
         }
         Ok(())
@@ -109,9 +109,9 @@ impl Outputs {
     }
 
     /// The exposure that was given, or one chosen from the picture and said.
-    fn stops(&self, file: &Path, picture: &Image, progress: &Progress) -> f32 {
+    fn stops(&self, file: &Path, (picture, lit): (&Image, &Lit), progress: &Progress) -> f32 {
         self.exposure.unwrap_or_else(|| {
-            let stops = exposure::choose(picture);
+            let stops = exposure::choose_for(picture, lit);
             progress.say(&format!("guessed an exposure of {stops:+.1} stops for {} (--exposure)", file.display()));
             stops
         })

@@ -14,6 +14,7 @@ use stack::{FeatureStack, GATHERED, INDIRECT, Image, Noise};
 
 use super::empty_pixels::EmptyPixels;
 use crate::args::{DenoiseArgs, OutputArgs, RebuildArgs};
+use crate::exposure::Lit;
 use crate::failure::usage;
 use crate::guide::{Followed, Guide};
 use crate::memory::{self, Afterwards, Need, rows_at_once};
@@ -95,7 +96,7 @@ impl Task<'_> {
         let header = header_of(&read, &settings);
         let rows = rows(Need::from(&read.stack))?;
         let again: Option<ReadAgain> = if then.output || then.guide { Some(&read_all) } else { None };
-        let Rebuilt { mut reconstruction, noisy, empty } =
+        let Rebuilt { mut reconstruction, noisy, lit, empty } =
             self.reconstruct((&mut read.stack, again), &settings, rows, progress)?;
         let mix = |guide: Guide| guide.mix(&read.stack, &mut reconstruction, &settings, progress);
         let followed = guide.map(mix).transpose()?;
@@ -109,7 +110,7 @@ impl Task<'_> {
             carried: &read.carried,
         };
         let writing = Instant::now();
-        outputs.write(&written, progress)?;
+        outputs.write(&written, &lit, progress)?;
         let [write, total] = [writing, start].map(|since| since.elapsed().as_secs_f64());
         let seconds = Clock { load: loaded, write, total };
         say_what_was_done(progress, &reconstruction, total);
@@ -143,7 +144,8 @@ impl Task<'_> {
                 .say(&format!("{}: mended {mended} values that are no numbers (median of the neighbours)", pass.name));
         }
         let beauty = stack.beauty();
-        let (noisy, empty) = (mean_radiance(&beauty), EmptyPixels::of(stack, &beauty, &images));
+        let (noisy, lit) = (mean_radiance(&beauty), Lit::of(&beauty));
+        let empty = EmptyPixels::of(stack, &beauty, &images);
         drop(beauty);
         let mut reconstruction = reconstruct_freeing(stack, settings, Extras { rows, passes: &images }, progress)?;
         drop(images);
@@ -156,7 +158,7 @@ impl Task<'_> {
                 .say(&format!("{}: {lit} pixels where the picture is empty keep their light as it came", pass.name));
         }
         passes.iter().zip(rebuilt).for_each(|(pass, rebuilt)| pass.replace(stack, rebuilt));
-        Ok(Rebuilt { reconstruction, noisy, empty })
+        Ok(Rebuilt { reconstruction, noisy, lit, empty })
     }
 }
 
@@ -165,6 +167,8 @@ struct Rebuilt {
     reconstruction: Reconstruction,
     /// Mean radiance before.
     noisy: f64,
+    /// Where there was light before.
+    lit: Lit,
     empty: EmptyPixels,
 }
 

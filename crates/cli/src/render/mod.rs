@@ -26,6 +26,7 @@ use tracer::film::Film;
 use tracer::integrator::TraceReport;
 
 use crate::args::RenderArgs;
+use crate::exposure::Lit;
 use crate::failure::Verdict;
 use crate::guide::Guide;
 use crate::interrupt;
@@ -142,7 +143,7 @@ impl Render<'_> {
             carried: &carried,
         };
         let writing = Instant::now();
-        outputs.write(&written, progress)?;
+        outputs.write(&written, &Lit::of(&finished.stack.beauty()), progress)?;
         if is_kept {
             clear_away(&partial_path(outputs), progress);
         }
