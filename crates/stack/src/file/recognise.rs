@@ -127,9 +127,14 @@ impl<'a> Search<'a> {
             }
             let fits = |layer: &&LayerNames| layer.channels(slot.role.channels()).is_some();
             let exact = self.list.iter().filter(fits).find(|layer| layer.name.eq_ignore_ascii_case(prefix));
-            let nested: Vec<&LayerNames> =
-                self.list.iter().filter(fits).filter(|layer| layer.name.starts_with(prefix)).collect();
-            match (exact, &nested[..]) {
+            let all = |named: &dyn Fn(&LayerNames) -> bool| -> Vec<&'a LayerNames> {
+                self.list.iter().filter(fits).filter(|layer| named(layer)).collect()
+            };
+            let mut named = all(&|layer| layer.name.starts_with(prefix));
+            if named.is_empty() {
+                named = all(&|layer| is_last_part(layer, prefix));
+            }
+            match (exact, &named[..]) {
                 (Some(layer), _) => self.take(*slot, layer, false),
                 (None, [layer]) => self.take(*slot, layer, false),
                 (None, []) => return Err(self.no_such_layer(*slot, prefix)),
@@ -337,6 +342,11 @@ impl<'a> Search<'a> {
             candidates: candidates.iter().map(|layer| shown(layer)).collect::<Vec<_>>().join(", "),
         }
     }
+}
+
+/// Whether `name` is what stands behind the last dot of a layer's name.
+fn is_last_part(layer: &LayerNames, name: &str) -> bool {
+    layer.name.rsplit('.').next().is_some_and(|last| last.eq_ignore_ascii_case(name))
 }
 
 fn shown(layer: &LayerNames) -> String {

@@ -677,6 +677,23 @@ fn a_variance_of_unknown_kind_is_not_used_and_said() {
 }
 
 #[test]
+fn what_stands_behind_the_last_dot_of_a_layer_is_enough_for_map() {
+    let folder = Files::new();
+    let channels = triples(&["First.Combined", "First.Other", "Second.Other"], "RGB");
+    let names: Vec<&str> = channels.iter().map(String::as_str).collect();
+    let path = folder.exr("a.exr", &names, &noise, &[]);
+    let mapped = |layer: &str| {
+        let colour = Slot { role: Role::Colour, measure: Measure::Mean };
+        let options = ReadOptions { map: vec![(colour, layer.into())], ..ReadOptions::default() };
+        read_inputs(&files(std::slice::from_ref(&path)), &options)
+    };
+    assert_eq!(colour(&mapped("combined").unwrap()).mean.channels()[0][4], noise("First.Combined.R", 4));
+    let error = mapped("Other").unwrap_err().to_string();
+    assert!(error.contains("'First.Other', 'Second.Other'"), "{error}");
+    assert!(matches!(mapped("Othe"), Err(FileError::NoSuchLayer { .. })));
+}
+
+#[test]
 fn features_of_one_half_alone_are_not_used_and_said() {
     let folder = Files::new();
     let names = ["R", "G", "B", "albedo.R", "albedo.G", "albedo.B"];
