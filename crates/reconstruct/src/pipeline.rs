@@ -7,6 +7,7 @@ use stack::{FeatureStack, Monitor};
 use crate::best::{Chooser, Extras};
 use crate::completion::{Completed, complete};
 use crate::components::{sum_of_components, variance_of};
+use crate::lack::Lack;
 use crate::method::Method;
 use crate::reconstruction::{ReconstructError, Reconstruction};
 use crate::rivals::Rival;
@@ -41,7 +42,7 @@ pub fn reconstruct_with(
         let chooser = best::chooser_of(&settings.best.choice)?;
         best::reconstruct(&stack, settings, chooser.as_ref(), extras, monitor)?
     } else if extras.passes.is_empty() {
-        by_method(&stack, settings, monitor)?
+        by_method(&stack, &lacks, settings, monitor)?
     } else {
         return Err(ReconstructError::NoPasses);
     };
@@ -80,9 +81,11 @@ pub fn reconstruct_with_chooser(
     best::reconstruct(stack, settings, chooser, Extras::default(), monitor)
 }
 
-/// All methods but the collaborative one, which knows more than the others' arguments say.
+/// All methods but the collaborative one, which knows more than the others' arguments say. The stack was completed where it
+/// `lacks` something.
 fn by_method(
     stack: &FeatureStack,
+    lacks: &[Lack],
     settings: &Settings,
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
@@ -92,7 +95,7 @@ fn by_method(
         Method::Wlr => Rival::Wlr(Variant::Plain),
         Method::Wlrp => Rival::Wlr(Variant::Pilot),
         Method::Wlrv => Rival::Wlr(Variant::Visibility),
-        Method::Nfor => Rival::Nfor,
+        Method::Nfor => Rival::Nfor { noise_measured: !lacks.contains(&Lack::NOISE) },
         Method::Apr => Rival::Apr,
         Method::Lbf => Rival::Lbf(Tuning::Trained),
     };

@@ -26,7 +26,10 @@ pub enum Rival<'a> {
     /// Weighted local regression.
     Wlr(wlr::Variant),
     /// Nonlinearly weighted first-order regression.
-    Nfor,
+    Nfor {
+        /// Whether the noise was measured, rather than told from the picture.
+        noise_measured: bool,
+    },
     /// Adaptive polynomial rendering.
     Apr,
     /// The learning-based filter.
@@ -45,7 +48,7 @@ pub fn reconstruct(
 ) -> Result<Reconstruction, ReconstructError> {
     // A collaborative fit follows lamps by itself; elsewhere their bright edges would spoil the fits around them.
     let components = match rival {
-        Rival::Nfor => Cow::Borrowed(stack.components.as_slice()),
+        Rival::Nfor { .. } => Cow::Borrowed(stack.components.as_slice()),
         Rival::Wlr(_) | Rival::Apr | Rival::Lbf(_) => with_emission_apart(stack, monitor),
     };
     sum_of_components(stack.size(), &components, |component| match component.role {
@@ -68,7 +71,7 @@ fn scattered(
     let (radiance, variance) = (&component.radiance.mean, variance_of(component, &stack.samples)?);
     match rival {
         Rival::Wlr(variant) => wlr::rebuild(stack, radiance, &variance, variant, settings, monitor),
-        Rival::Nfor => nfor::rebuild(stack, component, settings, monitor),
+        Rival::Nfor { noise_measured } => nfor::rebuild(stack, component, noise_measured, settings, monitor),
         Rival::Apr => apr::rebuild(stack, radiance, &variance, settings, monitor),
         Rival::Lbf(tuning) => lbf::rebuild(stack, radiance, &variance, tuning, settings, monitor),
     }

@@ -49,7 +49,8 @@ const FINAL_BANDWIDTH: f32 = 1.0;
 /// Added to every variance of colour, so that noiseless patches have a distance.
 const LEAST_VARIANCE: f32 = 1e-7;
 /// Most of the variance around a pixel that counts, in units of its own. A thin bright edge is noisy where few samples are; a
-/// dark pixel beside it that was thought as noisy would look like the edge, and a fit through both falls below zero.
+/// dark pixel beside it that was thought as noisy would look like the edge, and a fit through both falls below zero. Noise that
+/// was told from the picture is too rough to say which pixel it is of.
 const MOST_AROUND: f32 = 4.0;
 
 /// The colour of a component: both halves, and the variance of a half.
@@ -59,7 +60,7 @@ struct ColourHalves {
     variance: Image,
 }
 
-/// Rebuilds the radiance of `component`. The error map is the selection's own estimate (section 5.3) of the mean of both
+/// Rebuilds the radiance of `component`, whose noise was `noise_measured` or told from the picture. The error map is the selection's own estimate (section 5.3) of the mean of both
 /// halves before the second pass.
 ///
 /// # Errors
@@ -67,9 +68,11 @@ struct ColourHalves {
 pub fn rebuild(
     stack: &FeatureStack,
     component: &Component,
+    noise_measured: bool,
     settings: &Settings,
     monitor: &dyn Monitor,
 ) -> Result<Reconstruction, ReconstructError> {
+    let most_around = if noise_measured { MOST_AROUND } else { f32::INFINITY };
     let halves = match &component.radiance.noise {
         Noise::VarianceOfMean(_) => {
             recorrupted_halves(&component.radiance.mean, &variance_of(component, &stack.samples)?)
@@ -80,7 +83,8 @@ pub fn rebuild(
             whole_halves(halves, &component.radiance.mean, &stack.samples)
         }
     };
-    let colour = ColourHalves { halves, variance: variance_of_half(variance_of(component, &stack.samples)?) };
+    let colour =
+        ColourHalves { halves, variance: variance_of_half(variance_of(component, &stack.samples)?, most_around) };
     let features = half_features(stack, monitor)?;
     let (picture, mse) = denoised(&colour, &features, &settings.nfor, monitor)?;
     Ok(Reconstruction { mse, ..Reconstruction::plain(picture) })
@@ -183,12 +187,12 @@ fn whole_halves(mut halves: [Image; 2], mean: &Image, counts: &SampleCounts) -> 
     halves
 }
 
-/// Variance of a half from that of the whole, ½ its own and ½ that of the 3×3 pixels around it, up to [`MOST_AROUND`].
-fn variance_of_half(mut variance: Image) -> Image {
+/// Variance of a half from that of the whole, ½ its own and ½ that of the 3×3 pixels around it, up to `most_around` of its own.
+fn variance_of_half(mut variance: Image, most_around: f32) -> Image {
     let size: Size = variance.size();
     for plane in variance.channels_mut() {
         let smooth = box_mean(plane, size, 1);
-        plane.iter_mut().zip(&smooth).for_each(|(v, smooth)| *v += smooth.min(MOST_AROUND * *v) + LEAST_VARIANCE);
+        plane.iter_mut().zip(&smooth).for_each(|(v, smooth)| *v += smooth.min(most_around * *v) + LEAST_VARIANCE);
     }
     variance
 }

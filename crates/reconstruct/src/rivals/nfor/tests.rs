@@ -50,7 +50,7 @@ fn stack(sigma: f32, feature_sigma: f32) -> FeatureStack {
 }
 
 fn run(stack: &FeatureStack) -> Reconstruction {
-    rebuild(stack, &stack.components[0], &Settings::default(), &Silent).unwrap()
+    rebuild(stack, &stack.components[0], true, &Settings::default(), &Silent).unwrap()
 }
 
 fn error(found: &Image, truth: impl Fn(usize, usize) -> f32) -> f32 {
@@ -82,10 +82,12 @@ fn noise_shrinks_and_the_error_map_bounds_what_is_left() {
 fn a_pixel_takes_little_noise_from_a_noisier_line_beside_it() {
     let own = |i: usize| if i / SIZE.width == 14 { 25.0 } else { 1e-4 };
     let variance = Image::from_channels(SIZE, vec![(0..SIZE.pixels()).map(own).collect(); 3]);
-    let found = variance_of_half(variance);
+    let found = variance_of_half(variance.clone(), MOST_AROUND);
     let at = |row: usize| found.channels()[1][SIZE.index(9, row)];
     assert!((at(13) / 5e-4 - 1.0).abs() < 0.01, "{}", at(13));
     assert!((at(14) / (25.0 + 25.0 / 3.0) - 1.0).abs() < 0.01, "half of its own, half of that around it: {}", at(14));
+    let told_from_the_picture = variance_of_half(variance, f32::INFINITY);
+    assert!(told_from_the_picture.channels()[1][SIZE.index(9, 13)] > 8.0);
     assert!((at(5) / 2e-4 - 1.0).abs() < 0.01, "{}", at(5));
 }
 
@@ -93,7 +95,7 @@ fn a_pixel_takes_little_noise_from_a_noisier_line_beside_it() {
 fn without_buckets_it_says_what_is_missing() {
     let mut stack = stack(0.1, 0.0);
     stack.components[0].radiance.noise = stack::Noise::Unknown;
-    let error = rebuild(&stack, &stack.components[0], &Settings::default(), &Silent).unwrap_err();
+    let error = rebuild(&stack, &stack.components[0], true, &Settings::default(), &Silent).unwrap_err();
     assert!(matches!(error, ReconstructError::NoBuckets { layer: "noisy" }));
 }
 
