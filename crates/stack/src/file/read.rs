@@ -12,6 +12,7 @@ use super::taken::{Taken, read_taken};
 use super::together::{alone, several};
 use super::{Carried, FileError, StackHeader};
 use crate::FeatureStack;
+use crate::merge::{Record, check_apart};
 
 /// A stack as it was read.
 #[derive(Clone, Debug)]
@@ -119,11 +120,17 @@ fn says_itself(path: &Path, flag: Option<&'static str>) -> Result<(), FileError>
 
 fn load_renders(paths: &[PathBuf], options: &ReadOptions, open: Open<'_>) -> Result<Vec<Loaded>, FileError> {
     let mut renders: Vec<Loaded> = Vec::new();
+    let mut records: Vec<(&Path, Record)> = Vec::new();
     for (nth, path) in paths.iter().enumerate() {
         let layers = open(path, Taken::Means)?;
         let mut render = if is_own(&layers) {
             says_itself(&layers.path, said_of(options))?;
-            let samples_unknown = header_of(&layers)?.is_some_and(|header| header.samples_unknown);
+            let header = header_of(&layers)?;
+            let samples_unknown = header.as_ref().is_some_and(|header| header.samples_unknown);
+            if let Some(record) = header.and_then(|header| header.record) {
+                records.iter().try_for_each(|(like, other)| check_apart((path, &record), (like, other)))?;
+                records.push((path, record));
+            }
             load_own(layers, samples_unknown)
         } else {
             load(layers, options, nth, true)?

@@ -173,6 +173,24 @@ fn equal_stacks_write_equal_bytes() {
 }
 
 #[test]
+fn renders_of_ours_that_share_samples_are_no_buckets() {
+    let folder = tempfile::tempdir().unwrap();
+    let render = |name: &str, seed: u64, brightness: f32| {
+        let (mut stack, path) = (stack(), folder.path().join(name));
+        let planes = stack.components.iter_mut().flat_map(|part| part.radiance.mean.channels_mut());
+        planes.flatten().for_each(|value| *value *= brightness);
+        let held = vec![crate::merge::Held { first: 4, end: 12, seed }];
+        let record = Some(crate::merge::Record { view: serde_json::json!({}), held });
+        write_stack(&path, &stack, true, &StackHeader { record, ..header() }, &[], &Carried::default()).unwrap();
+        path
+    };
+    let [a, b, c] = [("a.exr", 1, 1.0), ("b.exr", 2, 1.5), ("c.exr", 1, 2.0)].map(|(n, seed, by)| render(n, seed, by));
+    read_buckets(&[a.clone(), b.clone()]).unwrap();
+    let error = read_buckets(&[a, b, c]).unwrap_err().to_string();
+    assert!(error.contains("c.exr: holds the samples 4..12 of seed 1, but"), "{error}");
+}
+
+#[test]
 fn buckets_from_several_files_make_one_stack() {
     let folder = tempfile::tempdir().unwrap();
     let paths: Vec<_> = (0..4)

@@ -14,6 +14,7 @@ use std::path::{Path, PathBuf};
 pub use error::MergeError;
 use rayon::prelude::*;
 use record::Claims;
+pub(crate) use record::check_apart;
 pub use record::{Difference, Held, Record, check_records, first_difference};
 
 use crate::file::StackHeader;

@@ -45,6 +45,22 @@ impl Record {
     }
 }
 
+/// Checks that two files hold different samples.
+///
+/// # Errors
+/// When some are in both.
+pub(crate) fn check_apart((path, own): (&Path, &Record), (like, other): (&Path, &Record)) -> Result<(), MergeError> {
+    for theirs in &other.held {
+        if let Some(held) = own.held.iter().find(|held| held.overlaps(theirs)) {
+            let Held { first, end, seed } = *held;
+            let (path, like) = (path.into(), like.into());
+            let (like_first, like_end) = (theirs.first, theirs.end);
+            return Err(MergeError::Overlap { path, like, seed, first, end, like_first, like_end });
+        }
+    }
+    Ok(())
+}
+
 /// Slices that may be added up.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Claims {
@@ -59,16 +75,7 @@ impl Claims {
         {
             return Err(MergeError::differs(path, like, difference));
         }
-        for (like, other) in &self.slices {
-            for theirs in &other.held {
-                if let Some(held) = record.held.iter().find(|held| held.overlaps(theirs)) {
-                    let Held { first, end, seed } = *held;
-                    let (path, like) = (path.into(), like.clone());
-                    let (like_first, like_end) = (theirs.first, theirs.end);
-                    return Err(MergeError::Overlap { path, like, seed, first, end, like_first, like_end });
-                }
-            }
-        }
+        self.slices.iter().try_for_each(|(like, other)| check_apart((path, record), (like, other)))?;
         self.slices.push((path.into(), record.clone()));
         Ok(())
     }
