@@ -3,7 +3,7 @@
 use glam::{Vec2, Vec3};
 
 use crate::Ray;
-use crate::material::Material;
+use crate::material::{Material, Surface};
 
 /// A point on a surface, with all that scattering needs to know about it.
 #[derive(Clone, Copy, Debug)]
@@ -54,6 +54,17 @@ impl<'a> Interaction<'a> {
         }
     }
 
+    /// What light loses by unit length along `direction`, which goes on from here, where it loses `here` on the viewer's side.
+    /// Only glass that is no pane has another side; beyond its outside is air, whatever lies round it.
+    #[inline]
+    pub(crate) fn absorption_towards(&self, direction: Vec3, here: Vec3) -> Vec3 {
+        match &self.material.surface {
+            Surface::Glass { .. } if self.geometric_normal.dot(direction) < 0.0 => self.material.maps.absorption,
+            Surface::Glass { .. } => Vec3::ZERO,
+            _ => here,
+        }
+    }
+
     /// The triangle's unit normal, on the viewer's side.
     #[inline]
     pub(crate) fn facing_normal(&self) -> Vec3 {
@@ -81,6 +92,13 @@ impl<'a> Interaction<'a> {
         let direction = if distance > 0.0 { span / distance } else { target_normal };
         Ray { origin, direction, t_max: distance, time: self.time }
     }
+}
+
+/// Share of light that is left after the way `length`, of which every unit takes `absorption` (Beer and Lambert). What has no
+/// end takes nothing: the sky is not within glass, so the mesh is open.
+#[inline]
+pub(crate) fn left_after(length: f32, absorption: Vec3) -> Vec3 {
+    if absorption == Vec3::ZERO || length.is_infinite() { Vec3::ONE } else { (-length * absorption).exp() }
 }
 
 /// Rounded operations behind direction and length of a segment between two points, with those of the triangle test.

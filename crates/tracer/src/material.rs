@@ -100,6 +100,8 @@ pub struct SurfaceMaps {
     pub metallic: Option<Grey>,
     /// What lies over all of it, glass excepted, which has a surface like that already.
     pub clear_coat: Option<ClearCoat>,
+    /// What light loses in the inside of glass: of every unit of its way, the natural logarithm of 1 ÷ what is left.
+    pub absorption: Vec3,
     /// What colours of vertices change.
     pub tinted: Tinted,
     /// What single scattering by rough glass sends on; found out when first needed, for all materials alike.

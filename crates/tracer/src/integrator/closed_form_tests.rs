@@ -249,6 +249,43 @@ fn mirrors_and_glass_keep_all_light_of_a_uniform_sky() {
     }
 }
 
+/// A straight way through a slab of glass that does not bend light, and back from a white wall in it that a lamp in it lights:
+/// all that absorbs is the way, by Beer's and Lambert's law.
+#[test]
+fn light_is_absorbed_along_its_way_through_coloured_glass() {
+    let wide = 40.0;
+    let glass = || (Surface::Glass { ior: 1.0, transmittance: grey(1.0), alpha: 0.0 }, 0.0);
+    let level = |pieces: Pieces, y: f32, up: bool, what: (Surface, f32)| {
+        let [a, b] = if up { [Vec3::Z, Vec3::X] } else { [Vec3::X, Vec3::Z] };
+        let mut with = pieces.quad(Vec3::new(-wide / 2.0, y, -wide / 2.0), wide * a, wide * b, what);
+        with.last_material().maps.absorption = Vec3::splat(0.5);
+        with
+    };
+    let slab = level(level(Pieces::default(), 2.0, true, glass()), 0.0, false, glass());
+    let camera = peering(Vec3::new(0.0, 5.0, 0.0), Vec3::ZERO);
+    let (stack, _) = render(&slab.under(Some(1.0)), &camera, 8, &DEFAULT);
+    assert!((mean_of(&stack, ComponentRole::Emission).0 - (-1.0_f64).exp()).abs() < 1e-5);
+    // A floor that shines, seen through glass above it.
+    let shining = level(level(Pieces::default(), 2.0, true, glass()), 0.0, true, lamp(1.0)).under(None);
+    let (stack, _) = render(&shining, &camera, 8, &DEFAULT);
+    assert!((mean_of(&stack, ComponentRole::Emission).0 - (-1.0_f64).exp()).abs() < 1e-5);
+    // A small lamp at height 1 lights the floor; paths and lamp samples find the same.
+    let lamp = lamp(10_000.0);
+    for direct_light in [DirectLight::Both, DirectLight::Lights, DirectLight::Surfaces] {
+        let lit = level(level(Pieces::default(), 2.0, true, glass()), 0.0, true, (diffuse(0.5), 0.0));
+        let side = 0.1;
+        let at = Vec3::new(0.5, 1.0, 0.0);
+        let lit = lit.quad(at - side / 2.0 * (Vec3::X + Vec3::Z), side * Vec3::X, side * Vec3::Z, lamp.clone());
+        let settings = TraceSettings { max_depth: 2, direct_light, ..DEFAULT };
+        let samples = if direct_light == DirectLight::Surfaces { 1 << 17 } else { 1 << 12 };
+        let (stack, _) = render(&lit.under(None), &camera, samples, &settings);
+        let squared = 1.25_f64;
+        let irradiance = 10_000.0 * f64::from(side * side) / squared / squared;
+        let way = squared.sqrt() + 2.0;
+        assert_scattered(&stack, 0.5 * irradiance / std::f64::consts::PI * (-0.5 * way).exp(), 0.02);
+    }
+}
+
 #[test]
 fn rough_white_surfaces_neither_gain_nor_lose_light() {
     for alpha in [0.01, 0.1, 0.4, 1.0] {

@@ -4,6 +4,7 @@ use super::DirectLight;
 use super::path::PathTracer;
 use super::path_state::{Departure, Path};
 use super::surface::Surface;
+use crate::interaction::left_after;
 use crate::light::LightSample;
 use crate::sampler::{Decision, Stream};
 
@@ -56,7 +57,9 @@ impl PathTracer<'_> {
                 }
                 _ => 1.0,
             };
-            let radiance = path.throughput * value * sample.radiance * (weight / sample.pdf);
+            let absorption = at.hit.absorption_towards(sample.direction, path.absorption);
+            let left = left_after(sample.shadow_ray.t_max, absorption);
+            let radiance = path.throughput * left * value * sample.radiance * (weight / sample.pdf);
             path.add_scattered(radiance, at.shared_from(sample.direction, path), 1.0);
         }
         true

@@ -9,7 +9,7 @@ use super::{TraceSettings, features, roulette};
 use crate::Ray;
 use crate::bsdf::Bsdf;
 use crate::film::SampleRecord;
-use crate::interaction::Interaction;
+use crate::interaction::{Interaction, left_after};
 use crate::light::Lights;
 use crate::photon;
 use crate::sampler::{Decision, Stream};
@@ -40,6 +40,7 @@ impl<'a> PathTracer<'a> {
                 break;
             };
             path.length += hit.distance;
+            path.throughput *= left_after(hit.distance, path.absorption);
             self.see_emitter(&mut path, &hit, photons);
             let comes_next = path.settled && !path.indirect;
             path.indirect |= path.settled;
@@ -128,6 +129,7 @@ fn scatter(path: &mut Path, at: &Surface, stream: &Stream) -> bool {
     path.specular &= at.bsdf.is_specular();
     path.spread = sample.pdf.map_or(path.spread, |pdf| pdf.sqrt().recip());
     path.departure = sample.pdf.map(|pdf| Departure { pdf, receiver: at.bsdf.receiver() });
+    path.absorption = at.hit.absorption_towards(sample.direction, path.absorption);
     path.ray = at.hit.spawn(sample.direction);
     path.throughput != Vec3::ZERO
 }

@@ -45,6 +45,8 @@ pub(super) struct Path {
     pub(super) departure: Option<Departure>,
     /// Share of what it finds from here on that is found for others, too, where light is gathered.
     pub(super) shared: Vec3,
+    /// What it loses by unit length where it is: in coloured glass, or else nothing.
+    pub(super) absorption: Vec3,
     /// Length of its way so far.
     pub(super) length: f32,
     /// Where photons show it caustics, as long as it has met only mirrors and clear glass since.
@@ -72,6 +74,7 @@ impl Path {
             eta_scale: 1.0,
             departure: None,
             shared: Vec3::ONE,
+            absorption: Vec3::ZERO,
             length: 0.0,
             landing: None,
             spread: 0.0,

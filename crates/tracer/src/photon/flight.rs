@@ -7,7 +7,7 @@ use stack::Place;
 use super::map::{Landed, Photon};
 use super::source::Sources;
 use crate::bsdf::Bsdf;
-use crate::interaction::Interaction;
+use crate::interaction::{Interaction, left_after};
 use crate::light::Lights;
 use crate::sampler::{Decision, SEQUENCE_LENGTH, Sampler, Stream};
 use crate::scene::Scene;
@@ -55,9 +55,11 @@ impl<'a> PhotonTracer<'a> {
             return (None, 0);
         };
         let (mut ray, mut radiance, mut density) = (emission.ray, emission.radiance, emission.density);
+        let mut absorption = Vec3::ZERO;
         for crossings in 0..=self.most_crossings {
             let rays = u64::from(crossings) + 1;
             let Some(hit) = self.scene.intersect(&ray) else { return (None, rays) };
+            radiance *= left_after(hit.distance, absorption);
             let bsdf = Bsdf::at(&hit);
             if !bsdf.is_specular() {
                 let landed = crossings > 0 && (density * radiance).is_finite() && radiance != Vec3::ZERO;
@@ -70,6 +72,7 @@ impl<'a> PhotonTracer<'a> {
             let squeezed = sample.eta * sample.eta;
             radiance *= sample.weight * squeezed * squeezed;
             density *= squeezed / bent(&hit, &bsdf, hit.outgoing, sample.direction);
+            absorption = hit.absorption_towards(sample.direction, absorption);
             ray = hit.spawn(sample.direction);
         }
         (None, u64::from(self.most_crossings) + 1)

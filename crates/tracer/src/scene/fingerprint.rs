@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use glam::Vec3;
 use rustc_hash::FxHashMap;
 
 use super::mesh::Mesh;
@@ -83,7 +84,7 @@ impl Surfaces {
         let Material { name: _, surface, emission, maps } = material;
         self.surface(surface);
         self.colour(emission);
-        let SurfaceMaps { opacity, normals, roughness, metallic, clear_coat, tinted, .. } = maps;
+        let SurfaceMaps { opacity, normals, roughness, metallic, clear_coat, absorption, tinted, .. } = maps;
         for grey in [opacity, metallic] {
             self.digest.debug(&grey.is_some());
             grey.iter().for_each(|grey| self.grey(grey));
@@ -91,6 +92,10 @@ impl Surfaces {
         // Only where there is something to say, so that the digests of other materials stay what they were.
         if *tinted != Tinted::default() {
             self.digest.debug(tinted);
+        }
+        if *absorption != Vec3::ZERO {
+            self.digest.debug(&"absorption");
+            self.digest.numbers(absorption.as_ref());
         }
         if let Some(ClearCoat { cover, roughness, normals }) = clear_coat {
             self.digest.debug(&"clear coat");

@@ -60,6 +60,17 @@ fn set_of(material: &gltf::Material) -> u32 {
     placed.or_else(|| of_normals().map(|placed| placed.set)).unwrap_or(0)
 }
 
+/// What a volume takes of light by unit length; nothing where it does not say.
+fn absorption(volume: &gltf::material::Volume) -> Vec3 {
+    let distance = volume.attenuation_distance();
+    // Even what is black lets a little pass, so that no way is too short to be black.
+    let left = Vec3::from(volume.attenuation_color()).clamp(Vec3::splat(BLACKEST), Vec3::ONE);
+    if distance > 0.0 { -left.map(f32::ln) / distance } else { Vec3::ZERO }
+}
+
+/// Least share of light that is left at the distance that a volume's colour is for.
+const BLACKEST: f32 = 1e-6;
+
 /// A pane of this α or more would show what is behind it blurred.
 const ROUGH_PANE: f32 = 0.01;
 
@@ -148,6 +159,7 @@ impl<'a> Reader<'a> {
         let roughness = pbr.roughness_factor();
         let surface = self.look(&one, base, metal, roughness * roughness).surface(maps.metallic.is_some());
         maps.clear_coat = self.clear_coat(&one);
+        maps.absorption = one.material.volume().map_or(Vec3::ZERO, |volume| absorption(&volume));
         if matches!(surface, Surface::Glass { .. } | Surface::ThinGlass { .. }) && maps.clear_coat.take().is_some() {
             self.ignore(&one, "a clear coat over glass is");
         }
@@ -217,9 +229,6 @@ impl<'a> Reader<'a> {
             }
             if look.thin && look.transmission >= 0.5 && alpha > ROUGH_PANE {
                 self.ignore(one, "roughness of a pane is");
-            }
-            if volume.is_some_and(|v| v.attenuation_distance().is_finite() && v.attenuation_color() != [1.0; 3]) {
-                self.ignore(one, "attenuation within a volume is");
             }
         }
         look
