@@ -164,6 +164,8 @@ pub enum Surface {
         ior: f32,
         /// Tint of what passes, 0 … 1.
         transmittance: Colour,
+        /// GGX roughness parameter α, 0 … 1: 0 is clear, more is frosted.
+        alpha: f32,
     },
     /// Rough metal: GGX with visible normals, Schlick's Fresnel.
     Conductor {

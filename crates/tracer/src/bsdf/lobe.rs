@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::{Coated, Conductor, Diffuse, Glass, Mirror, RoughGlass, ThinGlass};
+use super::{Coated, Conductor, Diffuse, Glass, Mirror, RoughGlass, RoughPane, ThinGlass};
 
 /// A direction that a lobe has chosen, in its local frame.
 #[derive(Clone, Copy, Debug)]
@@ -30,6 +30,8 @@ pub enum Lobe {
     ThinGlass(ThinGlass),
     /// Rough dielectric.
     RoughGlass(RoughGlass),
+    /// Frosted pane.
+    RoughPane(RoughPane),
     /// Rough metal.
     Conductor(Conductor),
     /// Diffuse under a rough coat.
@@ -46,7 +48,7 @@ impl Lobe {
     /// Whether light passes through it.
     #[inline]
     pub const fn is_glass(&self) -> bool {
-        matches!(self, Self::Glass(_) | Self::ThinGlass(_) | Self::RoughGlass(_))
+        matches!(self, Self::Glass(_) | Self::ThinGlass(_) | Self::RoughGlass(_) | Self::RoughPane(_))
     }
 
     /// Whether it looks equally bright from all sides.
@@ -82,7 +84,7 @@ impl Lobe {
     /// Whether light from beyond the surface matters to [`evaluate`](Self::evaluate).
     #[inline]
     pub const fn is_two_sided(&self) -> bool {
-        matches!(self, Self::RoughGlass(_))
+        matches!(self, Self::RoughGlass(_) | Self::RoughPane(_))
     }
 
     /// Chooses a direction for the light that leaves towards `outgoing`, from a number `choice` in [0, 1) and a point
@@ -95,6 +97,7 @@ impl Lobe {
             Self::Glass(glass) => Some(glass.sample_direction(outgoing, choice)),
             Self::ThinGlass(pane) => Some(pane.sample_direction(outgoing, choice)),
             Self::RoughGlass(glass) => glass.sample_direction(outgoing, choice, u),
+            Self::RoughPane(pane) => pane.sample_direction(outgoing, choice, u),
             Self::Conductor(conductor) => conductor.sample_direction(outgoing, u),
             Self::Coated(coated) => coated.sample_direction(outgoing, choice, u),
         }
@@ -106,6 +109,7 @@ impl Lobe {
     pub fn direction_pdf(&self, outgoing: Vec3, incoming: Vec3) -> f32 {
         match self {
             Self::RoughGlass(glass) => glass.direction_pdf(outgoing, incoming),
+            Self::RoughPane(pane) => pane.direction_pdf(outgoing, incoming),
             _ if incoming.z <= 0.0 => 0.0,
             Self::Diffuse(diffuse) => diffuse.direction_pdf(incoming),
             Self::Conductor(conductor) => conductor.direction_pdf(outgoing, incoming),
@@ -119,6 +123,7 @@ impl Lobe {
     pub fn evaluate(&self, outgoing: Vec3, incoming: Vec3) -> Vec3 {
         match self {
             Self::RoughGlass(glass) => glass.evaluate(outgoing, incoming),
+            Self::RoughPane(pane) => pane.evaluate(outgoing, incoming),
             _ if incoming.z <= 0.0 => Vec3::ZERO,
             Self::Diffuse(diffuse) => diffuse.evaluate(incoming),
             Self::Conductor(conductor) => conductor.evaluate(outgoing, incoming),

@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 
 use super::clear_coat::{self, ClearCoat};
 use super::frame::{Frame, above};
-use super::{Coated, Conductor, Diffuse, Glass, Lobe, Mirror, RoughGlass, Scattered, ThinGlass, fresnel};
+use super::{Coated, Conductor, Diffuse, Glass, Lobe, Mirror, RoughGlass, RoughPane, Scattered, ThinGlass, fresnel};
 use crate::interaction::Interaction;
 use crate::light::Receiver;
 use crate::material::{Colour, Grey, Material, Surface, SurfaceMaps, Tinted};
@@ -222,7 +222,7 @@ pub(crate) fn may_be_specular(material: &Material) -> bool {
     let least = maps.roughness.as_ref().map_or(1.0, |map| map.range()[0].max(0.0));
     let is_smooth = |alpha: f32| alpha * least.powi(2) < SMOOTH_ALPHA;
     match &material.surface {
-        Surface::ThinGlass { .. } => true,
+        Surface::ThinGlass { alpha, .. } => is_smooth(*alpha),
         Surface::Glass { ior, alpha, .. } => is_smooth(*alpha) || is_clear(*ior),
         // Below a clear coat everything is a little rough.
         _ if maps.clear_coat.is_some() => false,
@@ -274,8 +274,14 @@ fn lobe_at(interaction: &Interaction, outside: bool, cosine: f32) -> (Lobe, Vec3
             let albedo = maps.glass_albedo(*ior, *alpha).directional(outside, alpha_here, cosine);
             (Lobe::RoughGlass(RoughGlass::new(eta, transmittance, alpha_here, albedo)), transmittance)
         }
-        Surface::ThinGlass { ior, transmittance } => {
+        Surface::ThinGlass { ior, transmittance, alpha } => {
             let transmittance = colour(transmittance);
+            let alpha_here = roughness(alpha).min(1.0);
+            if alpha_here >= SMOOTH_ALPHA {
+                let albedo = maps.metal_albedo(*alpha).directional(alpha_here, cosine);
+                let pane = RoughPane::new(*ior, transmittance, alpha_here, albedo);
+                return (Lobe::RoughPane(pane), transmittance);
+            }
             (Lobe::ThinGlass(ThinGlass { ior: *ior, transmittance }), transmittance)
         }
         Surface::Conductor { reflectance, alpha } => {

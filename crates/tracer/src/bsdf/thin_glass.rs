@@ -14,17 +14,23 @@ pub struct ThinGlass {
 }
 
 impl ThinGlass {
-    /// Reflects or goes straight on. Light that bounces between the interfaces adds up: with r of each, all reflect
-    /// r + (1 − r)² r (1 + r² + r⁴ …) = 2r/(1 + r).
+    /// Reflects or goes straight on.
     #[inline]
     pub(super) fn sample_direction(&self, outgoing: Vec3, choice: f32) -> Scattered {
-        let (once, _) = fresnel::dielectric(outgoing.z, self.ior.max(1.0 / self.ior));
-        if choice < 2.0 * once / (1.0 + once) {
+        if choice < reflected(self.ior, outgoing.z) {
             let incoming = Vec3::new(-outgoing.x, -outgoing.y, outgoing.z);
             return Scattered { incoming, weight: Vec3::ONE, pdf: None, eta: 1.0 };
         }
         Scattered { incoming: -outgoing, weight: self.transmittance, pdf: None, eta: 1.0 }
     }
+}
+
+/// Share of light that a pane of refractive index `ior` reflects, met with cosine `cosine`. Light that bounces between the
+/// interfaces adds up: with r of each, all reflect r + (1 − r)² r (1 + r² + r⁴ …) = 2r/(1 + r).
+#[inline]
+pub(super) fn reflected(ior: f32, cosine: f32) -> f32 {
+    let (once, _) = fresnel::dielectric(cosine, ior.max(1.0 / ior));
+    2.0 * once / (1.0 + once)
 }
 
 #[cfg(test)]

@@ -62,7 +62,7 @@ fn what_lies_in_glass_is_lit_through_it() {
 fn a_small_sun_of_the_sky_shines_through_a_pane() {
     let mut texels = vec![[0.1; 3]; 64 * 32];
     texels[5 * 64 + 20] = [3000.0; 3];
-    let pane = (Surface::ThinGlass { ior: 1.5, transmittance: grey(0.9) }, 0.0);
+    let pane = (Surface::ThinGlass { ior: 1.5, transmittance: grey(0.9), alpha: 0.0 }, 0.0);
     let pieces = floor(Pieces::default()).quad(Vec3::new(-1.5, 0.0, -1.5), Vec3::X * 3.0, Vec3::Z * 3.0, pane);
     let scene = pieces.under_sky(Some(Environment::mapped(EnvironmentMap::new(64, 32, texels))));
     assert_same_light_with_less_noise(&scene, 0.2);

@@ -236,7 +236,7 @@ fn mirrors_and_glass_keep_all_light_of_a_uniform_sky() {
         (Surface::Glass { ior: 1.5, transmittance: grey(1.0), alpha: 0.0 }, 1e-4),
         (Surface::Glass { ior: 1.0, transmittance: grey(1.0), alpha: 0.0 }, 1e-6),
         (Surface::Glass { ior: 1.0, transmittance: grey(1.0), alpha: 0.09 }, 1e-6),
-        (Surface::ThinGlass { ior: 1.5, transmittance: grey(1.0) }, 1e-6),
+        (Surface::ThinGlass { ior: 1.5, transmittance: grey(1.0), alpha: 0.0 }, 1e-6),
     ] {
         let scene = Pieces::default().sphere(1.0, (surface, 0.0)).under(Some(1.0));
         let settings = TraceSettings { max_depth: 1000, ..DEFAULT };
@@ -294,6 +294,7 @@ fn rough_white_surfaces_neither_gain_nor_lose_light() {
             Surface::Coated { diffuse: grey(1.0), specular: grey(0.04), alpha },
             Surface::Coated { diffuse: grey(1.0), specular: grey(0.6), alpha },
             Surface::Glass { ior: 1.5, transmittance: grey(1.0), alpha },
+            Surface::ThinGlass { ior: 1.5, transmittance: grey(1.0), alpha },
         ] {
             let scene = Pieces::default().sphere(1.0, (surface.clone(), 0.0)).under(Some(1.0));
             let (stack, _) = render(

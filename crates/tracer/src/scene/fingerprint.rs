@@ -111,7 +111,7 @@ impl Surfaces {
             Surface::Diffuse { reflectance } => ("diffuse", [0.0; 2], vec![reflectance]),
             Surface::Mirror { reflectance } => ("mirror", [0.0; 2], vec![reflectance]),
             Surface::Glass { ior, transmittance, alpha } => ("glass", [*ior, *alpha], vec![transmittance]),
-            Surface::ThinGlass { ior, transmittance } => ("thin glass", [*ior, 0.0], vec![transmittance]),
+            Surface::ThinGlass { ior, transmittance, alpha } => ("thin glass", [*ior, *alpha], vec![transmittance]),
             Surface::Conductor { reflectance, alpha } => ("conductor", [*alpha, 0.0], vec![reflectance]),
             Surface::Coated { diffuse, specular, alpha } => ("coated", [*alpha, 0.0], vec![diffuse, specular]),
         };

@@ -51,8 +51,8 @@ impl Look {
             Surface::Glass { ior, transmittance, alpha } => {
                 Self { transmission: 1.0, ior: *ior, alpha: Some(*alpha), ..plain(transmittance) }
             }
-            Surface::ThinGlass { ior, transmittance } => {
-                Self { transmission: 1.0, thin: true, ior: *ior, ..plain(transmittance) }
+            Surface::ThinGlass { ior, transmittance, alpha } => {
+                Self { transmission: 1.0, thin: true, ior: *ior, alpha: Some(*alpha), ..plain(transmittance) }
             }
             Surface::Coated { diffuse, specular, alpha } => {
                 Self { coat: Some(specular.clone()), alpha: Some(*alpha), ..plain(diffuse) }
@@ -70,10 +70,10 @@ impl Look {
     /// The surface, which may be metal in part. Roughness or metal bring the common coat, where nothing is said of one.
     pub(super) fn surface(self, partly_metal: bool) -> Surface {
         if self.transmission >= 0.5 {
-            let (ior, transmittance) = (self.ior, capped(self.base));
+            let (ior, transmittance, alpha) = (self.ior, capped(self.base), self.alpha.unwrap_or(0.0));
             return match self.thin {
-                true => Surface::ThinGlass { ior, transmittance },
-                false => Surface::Glass { ior, transmittance, alpha: self.alpha.unwrap_or(0.0) },
+                true => Surface::ThinGlass { ior, transmittance, alpha },
+                false => Surface::Glass { ior, transmittance, alpha },
             };
         }
         if self.metal {
@@ -131,7 +131,7 @@ mod tests {
             Surface::Mirror { reflectance: c(0.9) },
             Surface::Conductor { reflectance: c(0.8), alpha: 0.2 },
             Surface::Glass { ior: 1.3, transmittance: c(0.7), alpha: 0.09 },
-            Surface::ThinGlass { ior: 1.3, transmittance: c(0.7) },
+            Surface::ThinGlass { ior: 1.3, transmittance: c(0.7), alpha: 0.09 },
             Surface::Coated { diffuse: c(0.5), specular: c(0.04), alpha: 0.1 },
         ];
         for surface in surfaces {

@@ -28,7 +28,7 @@ toml_table! {
         optional metallic: Textured<f32> = "as in the file", SHARE;
         /// from 0.5 on glass, rough where the material is rough; else opaque
         optional transmission: f32 = "as in the file", SHARE;
-        /// glass is a pane too thin to refract
+        /// glass is a pane too thin to refract, frosted where the material is rough
         optional thin: bool = "as in the file";
         /// share of rays that meet the surface, the others pass through
         optional alpha: Textured<f32> = "as in the file", SHARE;

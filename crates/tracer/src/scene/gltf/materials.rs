@@ -71,9 +71,6 @@ fn absorption(volume: &gltf::material::Volume) -> Vec3 {
 /// Least share of light that is left at the distance that a volume's colour is for.
 const BLACKEST: f32 = 1e-6;
 
-/// A pane of this α or more would show what is behind it blurred.
-const ROUGH_PANE: f32 = 0.01;
-
 /// `KHR_materials_clearcoat` of a material.
 #[derive(Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
@@ -226,9 +223,6 @@ impl<'a> Reader<'a> {
             look.thin = volume.is_none();
             if transmission.transmission_texture().is_some() {
                 self.ignore(one, "the texture of transmission is");
-            }
-            if look.thin && look.transmission >= 0.5 && alpha > ROUGH_PANE {
-                self.ignore(one, "roughness of a pane is");
             }
         }
         look

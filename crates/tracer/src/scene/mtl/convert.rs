@@ -105,10 +105,11 @@ impl MtlEntry {
         if self.is_glass() {
             let tint = Colour::constant(self.filter.unwrap_or(Vec3::ONE));
             let ior = self.ior.filter(|&ni| ni > 0.0).unwrap_or(1.5);
+            // `Ns` is the width of highlights, which clear glass has, too.
+            let (transmittance, alpha) = (capped(tint), self.roughness_alpha().unwrap_or(0.0));
             return match self.model {
-                Some(4 | 9) => Surface::ThinGlass { ior, transmittance: capped(tint) },
-                // `Ns` is the width of highlights, which clear glass has, too.
-                _ => Surface::Glass { ior, transmittance: capped(tint), alpha: self.roughness_alpha().unwrap_or(0.0) },
+                Some(4 | 9) => Surface::ThinGlass { ior, transmittance, alpha },
+                _ => Surface::Glass { ior, transmittance, alpha },
             };
         }
         if matches!(self.model, None | Some(3 | 8)) && has(&specular) && !has(&diffuse) {
@@ -193,8 +194,11 @@ mod tests {
             assert_eq!(constant(&transmittance), [0.2, 0.3, 0.4]);
         }
         assert!(matches!(convert("illum 6\nPr .5").surface, Surface::Glass { alpha: 0.25, .. }));
-        for pane in ["illum 4\nNi 1.3", "illum 9\nNi 1.3\nPr .5"] {
-            assert!(matches!(convert(pane).surface, Surface::ThinGlass { ior: 1.3, .. }), "{pane}");
+        for (pane, rough) in [("illum 4\nNi 1.3\nNs 9", 0.0), ("illum 9\nNi 1.3\nPr .5", 0.25)] {
+            assert!(
+                matches!(convert(pane).surface, Surface::ThinGlass { ior: 1.3, alpha, .. } if alpha == rough),
+                "{pane}"
+            );
         }
         for opaque in ["d 0.1", "d 1\nTr 1\nNi 1.5", "Tr 1\nd 1\nNi 1.5", "Ni 1.5"] {
             assert!(matches!(convert(opaque).surface, Surface::Diffuse { .. }), "{opaque}");
