@@ -24,23 +24,6 @@ pub(super) const REFLECTANCE: f32 = 0.04;
 /// A coat is never smoother than this: nobody sees the difference, and the surface keeps one kind of event.
 const SMOOTHEST: f32 = 1e-3;
 
-/// Least cosine between what a coat mirrors and the real surface's normal.
-const HORIZON: f32 = 0.01;
-
-/// The unit normal `normal`, turned as far towards `geometric` as it takes that the light a mirror would send to `outgoing` comes
-/// from above the real surface. A smooth coat would be black there: it takes the light from what lies below and reflects none.
-pub(super) fn lifted(normal: Vec3, geometric: Vec3, outgoing: Vec3) -> Vec3 {
-    let mirrored = 2.0 * normal.dot(outgoing) * normal - outgoing;
-    let above = mirrored.dot(geometric);
-    // What is seen from nearly along the surface cannot be mirrored far above it.
-    let least = HORIZON.min(0.9 * geometric.dot(outgoing));
-    if above >= least {
-        return normal;
-    }
-    let raised = (mirrored + (least - above) * geometric).normalize_or(geometric);
-    (raised + outgoing).normalize_or(geometric)
-}
-
 /// A clear coat, seen from one direction of the world.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ClearCoat {

@@ -17,6 +17,7 @@ mod frame;
 mod fresnel;
 mod ggx;
 mod glass;
+mod horizon;
 mod lobe;
 mod mirror;
 mod rough_glass;

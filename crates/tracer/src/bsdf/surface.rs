@@ -4,6 +4,7 @@ use glam::{Vec2, Vec3};
 
 use super::clear_coat::{self, ClearCoat};
 use super::frame::{Frame, above};
+use super::horizon::lifted;
 use super::{Coated, Conductor, Diffuse, Glass, Lobe, Mirror, RoughGlass, RoughPane, Scattered, ThinGlass, fresnel};
 use crate::interaction::Interaction;
 use crate::light::Receiver;
@@ -59,6 +60,13 @@ impl Bsdf {
         let geometric_normal = side * interaction.geometric_normal;
         let shading_normal = side * interaction.shading_normal;
         let normal = if shading_normal.dot(outgoing) > 0.0 { shading_normal } else { geometric_normal };
+        let normal = match metal_share(interaction) {
+            // Relief lets metal mirror what is below the surface, where no light comes from.
+            share if share > 0.0 && interaction.material.maps.normals.is_some() => {
+                normal.lerp(lifted(normal, geometric_normal, outgoing), share).normalize_or(geometric_normal)
+            }
+            _ => normal,
+        };
         let frame = Frame::new(normal);
         let local_outgoing = above(frame.to_local(outgoing));
         let (lobe, mut albedo) = lobe_at(interaction, outside, local_outgoing.z);
@@ -67,7 +75,7 @@ impl Bsdf {
             let cover = coat.cover.at(interaction.uv).clamp(0.0, 1.0);
             let own = side * interaction.coat_normal;
             let normal = if own.dot(outgoing) > 0.0 { own } else { geometric_normal };
-            let normal = clear_coat::lifted(normal, geometric_normal, outgoing);
+            let normal = lifted(normal, geometric_normal, outgoing);
             let below = albedo;
             albedo = albedo.lerp(Vec3::ONE, cover * clear_coat::REFLECTANCE);
             let alpha = coat.roughness.at(interaction.uv).powi(2);
@@ -290,12 +298,22 @@ fn lobe_at(interaction: &Interaction, outside: bool, cosine: f32) -> (Lobe, Vec3
         }
         Surface::Coated { diffuse, specular, alpha } => {
             let (diffuse, specular) = (colour(diffuse), colour_at(specular, uv));
-            let metallic = maps.metallic.as_ref().map_or(0.0, |metallic| metallic.at(uv).clamp(0.0, 1.0));
+            let metallic = metal_share(interaction);
             if metallic >= 1.0 {
                 return (conductor(diffuse, [*alpha, roughness(alpha)], cosine, maps), diffuse);
             }
             coated(diffuse, specular, roughness(alpha), metallic, cosine)
         }
+    }
+}
+
+/// Share of the surface that is metal at `interaction`.
+fn metal_share(interaction: &Interaction) -> f32 {
+    let Interaction { material, uv, .. } = *interaction;
+    match &material.surface {
+        Surface::Mirror { .. } | Surface::Conductor { .. } => 1.0,
+        Surface::Coated { .. } => material.maps.metallic.as_ref().map_or(0.0, |share| share.at(uv).clamp(0.0, 1.0)),
+        Surface::Diffuse { .. } | Surface::Glass { .. } | Surface::ThinGlass { .. } => 0.0,
     }
 }
 
@@ -392,6 +410,27 @@ mod tests {
                 let sample = bsdf.sample_direction(0.999, Vec2::ZERO).unwrap();
                 assert!((sample.weight * sample.eta * sample.eta - Vec3::ONE).length() < 1e-5, "{angle}");
             }
+        }
+    }
+
+    /// A white furnace, and a normal map that bends the normal so far that a mirror would show what is below the surface.
+    #[test]
+    fn metal_in_relief_does_not_go_dark() {
+        let flat = std::sync::Arc::new(crate::texture::Texture::new(1, 1, vec![[0.5, 0.5, 1.0]]));
+        for alpha in [0.0, 0.02, 0.16] {
+            let mut metal = material(Surface::Conductor { reflectance: grey(1.0), alpha });
+            let seen_now = |material: &Material| {
+                let bsdf = seen(material, [Vec3::Z, tilted()], Vec3::Z);
+                let weight = |i: usize| {
+                    let u = (Vec2::new((i % 32) as f32, (i / 32) as f32) + 0.5) / 32.0;
+                    bsdf.sample_direction(0.5, u).map_or(0.0, |sample| sample.weight.x)
+                };
+                (0..1024).map(weight).sum::<f32>() / 1024.0
+            };
+            let without = seen_now(&metal);
+            metal.maps.normals = Some(flat.clone());
+            let with = seen_now(&metal);
+            assert!(with > 0.45 && (without < 0.2 || alpha == 0.0), "{alpha}: {with} {without}");
         }
     }
 
