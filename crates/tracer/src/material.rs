@@ -91,6 +91,8 @@ impl ClearCoat {
 pub struct SurfaceMaps {
     /// Share of the surface that is there, 0 … 1; rays pass through the rest as if it were not.
     pub opacity: Option<Grey>,
+    /// Least opacity of what is there: all of it from that on, and nothing below.
+    pub cutoff: Option<f32>,
     /// Normals in the tangent frame of the texture coordinates (+x along u, +y along v, +z outwards), each component
     /// moved from −1 … 1 to 0 … 1.
     pub normals: Option<Arc<Texture>>,
@@ -117,6 +119,17 @@ static METALS: SharedTables<Option<u32>, MetalAlbedo> = SharedTables::new();
 static GLASSES: SharedTables<(u32, Option<u32>), GlassAlbedo> = SharedTables::new();
 
 impl SurfaceMaps {
+    /// Share of the surface that is there at texture coordinates `uv`, where the opacity of the vertices is `of_vertices`.
+    #[inline]
+    pub(crate) fn opacity_at(&self, uv: Vec2, of_vertices: f32) -> f32 {
+        let Some(opacity) = &self.opacity else { return 1.0 };
+        let opacity = opacity.at(uv) * of_vertices;
+        match self.cutoff {
+            None => opacity.clamp(0.0, 1.0),
+            Some(cutoff) => f32::from(opacity >= cutoff),
+        }
+    }
+
     /// Of rough glass of refractive index `ior` and roughness `alpha`, which the map may lower.
     pub(crate) fn glass_albedo(&self, ior: f32, alpha: f32) -> &GlassAlbedo {
         let only = self.only(alpha);

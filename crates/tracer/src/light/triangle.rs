@@ -51,8 +51,7 @@ fn radiance(light: &EmissiveTriangle, material: &Material, weights: [f32; 3]) ->
     }
     let uv = weights[0] * light.uvs[0] + weights[1] * light.uvs[1] + weights[2] * light.uvs[2];
     let tint = weights[0] * light.tints[0] + weights[1] * light.tints[1] + weights[2] * light.tints[2];
-    let opacity = material.maps.opacity.as_ref().map_or(1.0, |opacity| (tint.w * opacity.at(uv)).clamp(0.0, 1.0));
-    opacity * tint.truncate() * material.emission.at(uv)
+    material.maps.opacity_at(uv, tint.w) * tint.truncate() * material.emission.at(uv)
 }
 
 /// Density per solid angle with which the point `seen` of `light` is sampled from where the ray to it began.

@@ -15,8 +15,10 @@ impl Scene {
     pub(super) fn is_there(&self, placed: usize, ray: &Ray, hit: &TriangleHit) -> bool {
         let mesh = &self.meshes[self.placed[placed].mesh].mesh;
         let material = &self.materials[mesh.materials[hit.triangle as usize] as usize];
-        let Some(opacity) = &material.maps.opacity else { return true };
-        let opacity = opacity.at(mesh.uv(hit)) * mesh.colour(hit).w;
+        if material.maps.opacity.is_none() {
+            return true;
+        }
+        let opacity = material.maps.opacity_at(mesh.uv(hit), mesh.colour(hit).w);
         opacity > 0.0 && (opacity >= 1.0 || opacity > number(ray, placed, hit.triangle))
     }
 }

@@ -84,12 +84,15 @@ impl Surfaces {
         let Material { name: _, surface, emission, maps } = material;
         self.surface(surface);
         self.colour(emission);
-        let SurfaceMaps { opacity, normals, roughness, metallic, clear_coat, absorption, tinted, .. } = maps;
+        let SurfaceMaps { opacity, cutoff, normals, roughness, metallic, clear_coat, absorption, tinted, .. } = maps;
         for grey in [opacity, metallic] {
             self.digest.debug(&grey.is_some());
             grey.iter().for_each(|grey| self.grey(grey));
         }
         // Only where there is something to say, so that the digests of other materials stay what they were.
+        if let Some(cutoff) = cutoff {
+            self.digest.debug(&("cutoff", cutoff.to_bits()));
+        }
         if *tinted != Tinted::default() {
             self.digest.debug(tinted);
         }
@@ -222,6 +225,7 @@ mod tests {
             fingerprint(|plan| plan.material.surface = dull(vec![[0.1, 0.2, 0.3], [0.4, 0.5, 0.7]])),
             fingerprint(|plan| plan.material.emission.factor = Vec3::Z),
             fingerprint(|plan| plan.material.maps.opacity = Some(Grey::constant(0.5))),
+            fingerprint(|plan| plan.material.maps.cutoff = Some(0.5)),
             fingerprint(|plan| plan.material.maps.metallic = Some(Grey::constant(0.5))),
             fingerprint(|plan| plan.material.maps.tinted = Tinted::Nothing),
             fingerprint(|plan| plan.material.maps.clear_coat = Some(ClearCoat::even(0.5, 0.0))),

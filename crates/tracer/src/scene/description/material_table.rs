@@ -222,6 +222,7 @@ impl MaterialChange {
         }
         if let Some(change) = &self.alpha {
             let opacity = change.read(files, Channel::Alpha)?;
+            maps.cutoff = None;
             maps.opacity = (opacity.texture.is_some() || opacity.factor < 1.0).then_some(opacity);
         }
         Ok(())

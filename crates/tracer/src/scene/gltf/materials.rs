@@ -132,7 +132,7 @@ impl<'a> Reader<'a> {
         let base = self.colour(&one, Vec3::new(red, green, blue), base_texture.clone());
         let emission = self.emission(&one);
         let mut maps = SurfaceMaps::default();
-        maps.opacity = self.opacity(&one, alpha, base_texture);
+        (maps.opacity, maps.cutoff) = self.opacity(&one, alpha, base_texture);
         maps.normals = self.normals(&one);
         if one.material.unlit() {
             let black = Surface::Diffuse { reflectance: Colour::constant(Vec3::ZERO) };
@@ -178,7 +178,7 @@ impl<'a> Reader<'a> {
         let base = self.colour(&one, Vec3::new(red, green, blue), diffuse.clone());
         let coat = self.colour(&one, Vec3::from(written.specular_factor), specular.clone());
         let mut maps = SurfaceMaps::default();
-        maps.opacity = self.opacity(&one, alpha, diffuse);
+        (maps.opacity, maps.cutoff) = self.opacity(&one, alpha, diffuse);
         maps.normals = self.normals(&one);
         let gloss = written.glossiness_factor.clamp(0.0, 1.0);
         let texture = specular.and_then(|placed| self.place(&one, &placed));
@@ -272,29 +272,21 @@ impl<'a> Reader<'a> {
         self.colour(one, factor, placed.map(|info| PlacedTexture::of(&info)))
     }
 
-    /// `None` where all of it is there.
-    fn opacity(&mut self, one: &One, factor: f32, placed: Option<PlacedTexture>) -> Option<Grey> {
+    /// What share of it is there, and from which opacity on all is; the first is `None` where it is opaque.
+    fn opacity(&mut self, one: &One, factor: f32, placed: Option<PlacedTexture>) -> (Option<Grey>, Option<f32>) {
         let cutoff = match one.material.alpha_mode() {
-            AlphaMode::Opaque => return None,
+            AlphaMode::Opaque => return (None, None),
             AlphaMode::Blend => None,
             AlphaMode::Mask => Some(one.material.alpha_cutoff().unwrap_or(0.5)),
         };
         let texture = placed.and_then(|placed| self.place(one, &placed));
-        // The factor in front of a mask is part of what is compared.
-        let texture = texture.and_then(|texture| {
-            self.found(one, |files| files.alphas(&texture, cutoff.map(|cutoff| cutoff / factor.max(f32::MIN_POSITIVE))))
-        });
-        let constant = match &texture {
-            None => Some(1.0),
-            Some(texture) => texture.constant(),
+        let texture = texture.and_then(|texture| self.found(one, |files| files.alphas(&texture)));
+        // An image of the same alpha everywhere is a number.
+        let opacity = match texture.as_ref().and_then(|texture| texture.constant()) {
+            Some(alpha) => Grey::constant(factor * alpha),
+            None => Grey { factor, texture },
         };
-        match (cutoff, constant) {
-            (None, Some(alpha)) => (factor * alpha < 1.0).then_some(Grey::constant(factor * alpha)),
-            (None, None) => Some(Grey { factor, texture }),
-            (Some(cutoff), Some(_)) if texture.is_none() => (factor < cutoff).then_some(Grey::constant(0.0)),
-            (Some(_), Some(there)) => (there < 1.0).then_some(Grey::constant(there)),
-            (Some(_), None) => Some(Grey { factor: 1.0, texture }),
-        }
+        (Some(opacity), cutoff)
     }
 
     fn normals(&mut self, one: &One) -> Option<Arc<Texture>> {

@@ -89,7 +89,7 @@ pub(super) fn read_gltf(path: &Path, notes: &mut Notes) -> Result<GltfFile, Scen
     })?;
     let (mut materials, needs) = read_materials(&document, &buffers, folder, notes);
     let meshes = read_meshes(&document, &buffers, &needs, path, notes).map_err(refused)?;
-    show_opacity_of_vertices(&meshes, &mut materials);
+    forget_idle_opacity(&meshes, &mut materials);
     // Those for primitives without, where there are none.
     let used = meshes.iter().flat_map(|mesh| &mesh.materials).map(|m| *m as usize + 1).max().unwrap_or(0);
     materials.truncate(used.max(document.materials().len()));
@@ -103,13 +103,19 @@ pub(super) fn read_gltf(path: &Path, notes: &mut Notes) -> Result<GltfFile, Scen
     Ok(GltfFile { meshes, instances, materials, cameras, delta_lights })
 }
 
-/// Lets rays through materials that have no opacity of their own where their vertices have one.
-fn show_opacity_of_vertices(meshes: &[Mesh], materials: &mut [Material]) {
+/// Where neither a material nor the vertices that show it let any ray through, it is opaque: that is quicker.
+fn forget_idle_opacity(meshes: &[Mesh], materials: &mut [Material]) {
+    let mut veiled = vec![false; materials.len()];
     for mesh in meshes.iter().filter(|mesh| mesh.colours.iter().any(|colour| colour.w < 1.0)) {
         for (triangle, material) in mesh.triangles.iter().zip(&mesh.materials) {
-            if triangle.iter().any(|&v| mesh.colours[v as usize].w < 1.0) {
-                materials[*material as usize].maps.opacity.get_or_insert(Grey::constant(1.0));
-            }
+            veiled[*material as usize] |= triangle.iter().any(|&v| mesh.colours[v as usize].w < 1.0);
+        }
+    }
+    for (material, _) in materials.iter_mut().zip(veiled).filter(|(_, veiled)| !veiled) {
+        let least = |opacity: &Grey| opacity.factor * opacity.texture.as_ref().map_or(1.0, |map| map.range()[0]);
+        let maps = &mut material.maps;
+        if maps.opacity.as_ref().is_none_or(|opacity| least(opacity) >= maps.cutoff.unwrap_or(1.0)) {
+            (maps.opacity, maps.cutoff) = (None, None);
         }
     }
 }

@@ -33,13 +33,6 @@ pub(super) fn read_meshes(
     if skipped > 0 {
         notes.add(format!("{}: {skipped} primitives of points, lines or without positions left out", path.display()));
     }
-    let masked = |primitive: &Primitive| {
-        let is_masked = primitive.material().alpha_mode() == AlphaMode::Mask;
-        is_masked && primitive.get(&Semantic::Colors(0)).is_some_and(|c| c.dimensions() == Dimensions::Vec4)
-    };
-    if primitives().any(|primitive| masked(&primitive)) {
-        notes.add(format!("{}: opacity of vertices of a masked material is not supported and ignored", path.display()));
-    }
     let as_it_is = |mesh: gltf::Mesh| {
         read_mesh(&mesh, buffers, needs, &Pose { weights: mesh.weights().unwrap_or_default().to_vec(), joints: None })
     };
@@ -107,7 +100,7 @@ fn read_primitive(primitive: &Primitive, buffers: &Buffers, needs: &[Needs], pos
     let triangles = triangles(&corners, primitive.mode());
     let materials = vec![material as u32; triangles.len()];
     let mut mesh = Mesh { positions, normals, uvs, colours, triangles, materials };
-    if needs[material].alpha != AlphaMode::Blend {
+    if needs[material].alpha == AlphaMode::Opaque {
         // Nobody asks for it.
         mesh.colours.iter_mut().for_each(|colour| colour.w = 1.0);
     }

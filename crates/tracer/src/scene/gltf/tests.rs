@@ -119,12 +119,13 @@ fn colours_of_vertices_multiply_the_base() {
     let hit = scene.intersect(&ray(0.75, 0.25, 1.0)).unwrap();
     assert!((hit.tint - Vec3::new(0.75, 0.75, 0.0)).length() < 1e-6);
     assert!((Bsdf::at(&hit).albedo() - Vec3::new(0.375, 0.75, 0.0)).length() < 1e-6);
-    // No ray meets what has no opacity; a mask of vertices is not understood.
+    // No ray meets what has no opacity, or less than its mask asks for.
     let veil = coloured(&dull.replace("MORE", r#", "alphaMode": "BLEND""#)).scene;
     assert!(veil.intersect(&ray(0.75, 0.25, 1.0)).is_none());
-    let mask = coloured(&dull.replace("MORE", r#", "alphaMode": "MASK""#));
-    assert!(mask.scene.intersect(&ray(0.75, 0.25, 1.0)).is_some());
-    assert!(mask.notes[0].ends_with("opacity of vertices of a masked material is not supported and ignored"));
+    let mask = coloured(&dull.replace("MORE", r#", "alphaMode": "MASK""#)).scene;
+    assert!(mask.intersect(&ray(0.75, 0.25, 1.0)).is_none());
+    let low = coloured(&dull.replace("MORE", r#", "alphaMode": "MASK", "alphaCutoff": 0"#)).scene;
+    assert!(low.intersect(&ray(0.75, 0.25, 1.0)).is_some());
     // Where there is no material, the colour is all there is; and floats are read as they stand.
     let json = document(r#""nodes": [{ "mesh": 0 }]"#).replace(r#", "material": 0"#, "");
     let bare = loaded(&json.replacen(r#""POSITION": 0"#, r#""POSITION": 0, "COLOR_0": 0"#, 1)).scene;
@@ -493,10 +494,14 @@ fn textures_lie_where_the_file_lays_them() {
     };
     assert_eq!(wraps("{}"), [Wrap::Repeat; 2]);
     assert_eq!(wraps(r#"{ "wrapS": 33648, "wrapT": 33071 }"#), [Wrap::Mirror, Wrap::Clamp]);
-    let opacity = |more: &str, x: f32| with("", more).maps.opacity.unwrap().at(at(x));
+    let opacity = |more: &str, x: f32| with("", more).maps.opacity_at(at(x), 1.0);
     assert!((opacity(r#", "alphaMode": "BLEND""#, 0.75) - 0.2).abs() < 1e-6);
     assert_eq!(opacity(r#", "alphaMode": "MASK""#, 0.75), 0.0);
     assert_eq!(opacity(r#", "alphaMode": "MASK""#, 0.25), 1.0);
+    // Halfway between 1 and 0.2 the alpha is 0.6: an edge is where that passes the cutoff, and sharp.
+    assert_eq!([0.5, 0.6].map(|x| opacity(r#", "alphaMode": "MASK""#, x)), [1.0, 0.0]);
+    let map = with("", r#", "alphaMode": "MASK""#).maps;
+    assert_eq!([0.6, 0.4].map(|of_vertices| map.opacity_at(at(0.25), of_vertices)), [1.0, 0.0]);
     assert!(
         with("", r#", "alphaMode": "MASK", "alphaCutoff": 0.1"#).maps.opacity.is_none_or(|all| all.at(at(0.75)) == 1.0)
     );

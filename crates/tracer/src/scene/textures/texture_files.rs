@@ -71,8 +71,8 @@ enum Relief {
 enum Numbers {
     /// As they stand.
     Plain(Channel),
-    /// Alpha, 1 where there is none; where these are the bits of a number, 1 from it on and else 0.
-    Alpha(Option<u32>),
+    /// Alpha, 1 where there is none.
+    Alpha,
     /// As shares of the Phong exponent in these bits; the numbers are its roughness over that of the whole exponent.
     Exponents(Channel, u32),
     /// Alpha as shares of the gloss in these bits; the numbers are the roughness.
@@ -150,19 +150,14 @@ impl<'a> TextureFiles<'a> {
         })
     }
 
-    /// The alpha of an image, 1 where it has none; with a `cutoff`, 1 from that on and else 0.
+    /// The alpha of an image, 1 where it has none.
     ///
     /// # Errors
     /// In words, why there is none.
-    pub(in super::super) fn alphas(
-        &mut self,
-        texture: &TextureUse,
-        cutoff: Option<f32>,
-    ) -> Result<Arc<GreyTexture>, String> {
-        made(&mut self.images, texture, Numbers::Alpha(cutoff.map(f32::to_bits)), &mut self.greys, |image| {
+    pub(in super::super) fn alphas(&mut self, texture: &TextureUse) -> Result<Arc<GreyTexture>, String> {
+        made(&mut self.images, texture, Numbers::Alpha, &mut self.greys, |image| {
             let (size, pixels) = plain_rgba(image);
-            let there = |alpha: f32| cutoff.map_or(alpha, |cutoff| if alpha >= cutoff { 1.0 } else { 0.0 });
-            Ok((size, pixels.into_iter().map(|[.., alpha]| there(alpha)).collect()))
+            Ok((size, pixels.into_iter().map(|[.., alpha]| alpha).collect()))
         })
     }
 
