@@ -86,6 +86,15 @@ impl ClearCoat {
     }
 }
 
+/// Glass that a share of an opaque surface is.
+#[derive(Clone, Debug)]
+pub struct SeeThrough {
+    /// The share, 0 … 1, of what is no metal.
+    pub share: Grey,
+    /// The glass.
+    pub glass: Material,
+}
+
 /// What may vary over a surface beside its colours.
 #[derive(Clone, Debug, Default)]
 pub struct SurfaceMaps {
@@ -104,6 +113,10 @@ pub struct SurfaceMaps {
     pub clear_coat: Option<ClearCoat>,
     /// What light loses in the inside of glass: of every unit of its way, the natural logarithm of 1 ÷ what is left.
     pub absorption: Vec3,
+    /// Multiplied with the reflectance of the coat.
+    pub specular: Option<Arc<GreyTexture>>,
+    /// Glass that takes the place of all this for a share of the rays.
+    pub see_through: Option<Box<SeeThrough>>,
     /// What colours of vertices change.
     pub tinted: Tinted,
     /// What single scattering by rough glass sends on; found out when first needed, for all materials alike.

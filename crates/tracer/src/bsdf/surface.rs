@@ -229,17 +229,18 @@ pub(crate) fn may_be_specular(material: &Material) -> bool {
     let maps = &material.maps;
     let least = maps.roughness.as_ref().map_or(1.0, |map| map.range()[0].max(0.0));
     let is_smooth = |alpha: f32| alpha * least.powi(2) < SMOOTH_ALPHA;
-    match &material.surface {
-        Surface::ThinGlass { alpha, .. } => is_smooth(*alpha),
-        Surface::Glass { ior, alpha, .. } => is_smooth(*alpha) || is_clear(*ior),
-        // Below a clear coat everything is a little rough.
-        _ if maps.clear_coat.is_some() => false,
-        Surface::Mirror { .. } => true,
-        Surface::Conductor { alpha, .. } => is_smooth(*alpha),
-        // What is metal is a conductor.
-        Surface::Coated { alpha, .. } => maps.metallic.as_ref().is_some_and(may_be_whole) && is_smooth(*alpha),
-        Surface::Diffuse { .. } => false,
-    }
+    maps.see_through.as_ref().is_some_and(|see_through| may_be_specular(&see_through.glass))
+        || match &material.surface {
+            Surface::ThinGlass { alpha, .. } => is_smooth(*alpha),
+            Surface::Glass { ior, alpha, .. } => is_smooth(*alpha) || is_clear(*ior),
+            // Below a clear coat everything is a little rough.
+            _ if maps.clear_coat.is_some() => false,
+            Surface::Mirror { .. } => true,
+            Surface::Conductor { alpha, .. } => is_smooth(*alpha),
+            // What is metal is a conductor.
+            Surface::Coated { alpha, .. } => maps.metallic.as_ref().is_some_and(may_be_whole) && is_smooth(*alpha),
+            Surface::Diffuse { .. } => false,
+        }
 }
 
 /// Whether `share` is 1 somewhere.
@@ -298,6 +299,7 @@ fn lobe_at(interaction: &Interaction, outside: bool, cosine: f32) -> (Lobe, Vec3
         }
         Surface::Coated { diffuse, specular, alpha } => {
             let (diffuse, specular) = (colour(diffuse), colour_at(specular, uv));
+            let specular = maps.specular.as_ref().map_or(specular, |map| specular * map.lookup(uv).clamp(0.0, 1.0));
             let metallic = metal_share(interaction);
             if metallic >= 1.0 {
                 return (conductor(diffuse, [*alpha, roughness(alpha)], cosine, maps), diffuse);

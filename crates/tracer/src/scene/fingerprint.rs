@@ -84,7 +84,19 @@ impl Surfaces {
         let Material { name: _, surface, emission, maps } = material;
         self.surface(surface);
         self.colour(emission);
-        let SurfaceMaps { opacity, cutoff, normals, roughness, metallic, clear_coat, absorption, tinted, .. } = maps;
+        let SurfaceMaps {
+            opacity,
+            cutoff,
+            normals,
+            roughness,
+            metallic,
+            clear_coat,
+            absorption,
+            specular,
+            see_through,
+            tinted,
+            ..
+        } = maps;
         for grey in [opacity, metallic] {
             self.digest.debug(&grey.is_some());
             grey.iter().for_each(|grey| self.grey(grey));
@@ -99,6 +111,15 @@ impl Surfaces {
         if *absorption != Vec3::ZERO {
             self.digest.debug(&"absorption");
             self.digest.numbers(absorption.as_ref());
+        }
+        if specular.is_some() {
+            self.digest.debug(&"specular");
+            self.grey_texture(specular.as_ref());
+        }
+        if let Some(see_through) = see_through {
+            self.digest.debug(&"see-through");
+            self.grey(&see_through.share);
+            self.material(&see_through.glass);
         }
         if let Some(ClearCoat { cover, roughness, normals }) = clear_coat {
             self.digest.debug(&"clear coat");

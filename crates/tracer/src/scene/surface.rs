@@ -6,8 +6,8 @@ use glam::{Vec2, Vec3, Vec4};
 
 use super::mesh::Mesh;
 use super::placed::Placed;
-use super::relief;
 use super::{Placement, Scene};
+use super::{cut_out, relief};
 use crate::Ray;
 use crate::bvh::TriangleHit;
 use crate::interaction::Interaction;
@@ -19,6 +19,7 @@ const GAMMA_7: f32 = 3.5 * f32::EPSILON / (1.0 - 3.5 * f32::EPSILON);
 impl Scene {
     /// The surface at a hit on `placed`.
     pub(super) fn interaction(&self, ray: &Ray, placed: usize, hit: &TriangleHit) -> Interaction<'_> {
+        let number = placed;
         let placed = &self.placed[placed];
         let indexed = &self.meshes[placed.mesh];
         let mesh = &indexed.mesh;
@@ -30,6 +31,7 @@ impl Scene {
         let material = &self.materials[mesh.materials[hit.triangle as usize] as usize];
         let smooth = shading_normal(mesh, placement, hit, geometric_normal);
         let uv = mesh.uv(hit);
+        let material = cut_out::as_met(material, uv, ray, number, hit.triangle);
         let bent = |map: &Option<Arc<Texture>>| match map {
             Some(map) => {
                 relief::normal(map.lookup(uv), smooth, geometric_normal, corners, mesh.corner_uvs(hit.triangle))

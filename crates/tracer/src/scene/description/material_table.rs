@@ -181,6 +181,11 @@ impl MaterialChange {
     }
 
     fn change(&self, material: &mut Material, files: &mut TextureFiles) -> Result<(), SceneError> {
+        // What was said of a share is no more where it is said of the whole.
+        material.maps.see_through.take_if(|_| self.transmission.is_some());
+        if let Some(see_through) = &mut material.maps.see_through {
+            self.change(&mut see_through.glass, files)?;
+        }
         let mut look = Look::of(&material.surface);
         if let Some(change) = &self.base_color {
             look.base = change.read(files)?;
@@ -190,6 +195,7 @@ impl MaterialChange {
         }
         if let Some(change) = &self.specular {
             look.coat = Some(change.read(files)?);
+            material.maps.specular = None;
         }
         if let Some(change) = &self.emission {
             material.emission = change.read(files)?;

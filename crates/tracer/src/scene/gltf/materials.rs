@@ -13,8 +13,8 @@ use super::super::notes::Notes;
 use super::super::textures::{Channel, TextureFiles, TextureUse};
 use super::buffers::Buffers;
 use super::placed_textures::PlacedTexture;
-use crate::material::{ClearCoat, Colour, Grey, Material, Surface, SurfaceMaps, Tinted};
-use crate::texture::Texture;
+use crate::material::{ClearCoat, Colour, Grey, Material, SeeThrough, Surface, SurfaceMaps, Tinted};
+use crate::texture::{GreyTexture, Texture};
 
 /// What meshes have to know of a material.
 #[derive(Clone, Copy, Debug)]
@@ -154,12 +154,20 @@ impl<'a> Reader<'a> {
         let metal;
         (metal, maps.metallic) = metalness(metallic);
         let roughness = pbr.roughness_factor();
-        let surface = self.look(&one, base, metal, roughness * roughness).surface(maps.metallic.is_some());
+        let look = self.look(&one, base, metal, roughness * roughness);
+        maps.specular = self.specular_map(&one);
         maps.clear_coat = self.clear_coat(&one);
-        maps.absorption = one.material.volume().map_or(Vec3::ZERO, |volume| absorption(&volume));
-        if matches!(surface, Surface::Glass { .. } | Surface::ThinGlass { .. }) && maps.clear_coat.take().is_some() {
-            self.ignore(&one, "a clear coat over glass is");
+        // Light does not pass through metal.
+        let Some(share) = self.transmission(&one).filter(|_| !metal) else {
+            let surface = look.surface(maps.metallic.is_some());
+            return Material { name: one.name, surface, emission, maps };
+        };
+        let glass = self.glass(&one, &look, &emission, &maps);
+        if share.texture.is_none() && share.factor >= 1.0 && maps.metallic.is_none() {
+            return glass;
         }
+        let surface = look.surface(maps.metallic.is_some());
+        maps.see_through = Some(Box::new(SeeThrough { share, glass }));
         Material { name: one.name, surface, emission, maps }
     }
 
@@ -208,24 +216,37 @@ impl<'a> Reader<'a> {
             let coat = look.coat.map_or(Vec3::splat(COMMON_COAT), |coat| coat.factor);
             let placed = specular.specular_color_texture().map(|info| PlacedTexture::of(&info));
             look.coat = Some(self.colour(one, (coat * factor).clamp(Vec3::ZERO, Vec3::ONE), placed));
-            if specular.specular_texture().is_some() {
-                self.ignore(one, "the texture of how much is reflected specularly is");
-            }
-        }
-        // Light does not pass through metal.
-        if let Some(transmission) = one.material.transmission().filter(|_| !metal) {
-            look.transmission = transmission.transmission_factor();
-            if look.transmission > 0.0 && look.transmission < 1.0 {
-                self.ignore(one, "transmission of a part of the light is");
-            }
-            // Without a volume behind it, a surface is a pane.
-            let volume = one.material.volume().filter(|volume| volume.thickness_factor() > 0.0);
-            look.thin = volume.is_none();
-            if transmission.transmission_texture().is_some() {
-                self.ignore(one, "the texture of transmission is");
-            }
         }
         look
+    }
+
+    fn specular_map(&mut self, one: &One) -> Option<Arc<GreyTexture>> {
+        let placed = PlacedTexture::of(&one.material.specular()?.specular_texture()?);
+        let texture = self.place(one, &placed)?;
+        self.found(one, |files| files.greys(&texture, Channel::Alpha))
+    }
+
+    /// Share of the light that passes of what is not reflected, where any does.
+    fn transmission(&mut self, one: &One) -> Option<Grey> {
+        let transmission = one.material.transmission().filter(|t| t.transmission_factor() > 0.0)?;
+        let placed = transmission.transmission_texture().map(|info| PlacedTexture::of(&info));
+        let texture = placed.and_then(|placed| self.place(one, &placed));
+        let texture = texture.and_then(|texture| self.found(one, |files| files.greys(&texture, Channel::Red)));
+        Some(Grey { factor: transmission.transmission_factor().min(1.0), texture })
+    }
+
+    /// What a material of that look is where light passes.
+    fn glass(&mut self, one: &One, look: &Look, emission: &Colour, maps: &SurfaceMaps) -> Material {
+        if maps.clear_coat.is_some() {
+            self.ignore(one, "a clear coat over glass is");
+        }
+        // Without a volume behind it, a surface is a pane.
+        let volume = one.material.volume().filter(|volume| volume.thickness_factor() > 0.0);
+        let look = Look { transmission: 1.0, thin: volume.is_none(), ..look.clone() };
+        let mut maps = maps.clone();
+        (maps.clear_coat, maps.metallic, maps.specular) = (None, None, None);
+        maps.absorption = volume.map_or(Vec3::ZERO, |volume| absorption(&volume));
+        Material { name: one.name.clone(), surface: look.surface(false), emission: emission.clone(), maps }
     }
 
     /// `KHR_materials_clearcoat`, which the crate leaves unread.

@@ -13,7 +13,7 @@ use crate::Ray;
 use crate::bsdf::Bsdf;
 use crate::interaction::Interaction;
 use crate::light::{DeltaLight, Lights};
-use crate::material::{Colour, Material, Surface};
+use crate::material::{Colour, Material, SeeThrough, Surface};
 use crate::texture::Wrap;
 
 /// A unit square at z = 0: positions, texture coordinates in unsigned bytes, corners.
@@ -259,8 +259,15 @@ fn materials_are_made_of_what_there_is_a_surface_for() {
     assert!((after_two - Vec3::new(1.0, 0.25, 0.0)).abs().max_element() < 1e-5 && notes.is_empty(), "{after_two}");
     let veiled = with(r#""KHR_materials_transmission": { "transmissionFactor": 0.3 }"#);
     let (veiled, notes) = material(&veiled);
-    assert!(matches!(veiled.surface, Surface::Coated { .. }));
-    assert_eq!(notes, ["material 'material 0': transmission of a part of the light is not supported and ignored"]);
+    let SeeThrough { share, glass } = &**veiled.maps.see_through.as_ref().unwrap();
+    assert!(matches!(veiled.surface, Surface::Coated { .. }) && matches!(glass.surface, Surface::ThinGlass { .. }));
+    assert!(share.factor == 0.3 && share.texture.is_none() && notes.is_empty(), "{notes:?}");
+    let mapped = r#""KHR_materials_transmission": { "transmissionFactor": 0.5, "transmissionTexture": { "index": 0 } },
+        "KHR_materials_specular": { "specularTexture": { "index": 0 } }"#;
+    let maps = material(&with(mapped)).0.maps;
+    let ends = [0.25, 0.75].map(|x| Vec2::new(x, 0.5));
+    assert_eq!(ends.map(|uv| maps.see_through.as_ref().unwrap().share.at(uv)), [0.5, 0.0], "red");
+    assert_eq!(ends.map(|uv| maps.specular.as_ref().unwrap().lookup(uv)), [1.0, 0.2], "alpha");
     let metal = format!(r#"{{ "extensions": {{ {pane} }} }}"#);
     assert!(matches!(surface(&metal), Surface::Conductor { .. }), "light does not pass through metal");
     let painted = with(r#""KHR_materials_specular": { "specularColorTexture": { "index": 0 } }"#);
@@ -346,17 +353,15 @@ fn materials_for_what_has_none_are_there_where_they_are_needed() {
 
 #[test]
 fn what_is_not_supported_is_said_once_for_all_materials() {
-    let red = r#"{ "pbrMetallicRoughness": { "metallicFactor": 0 }, "extensions": { "KHR_materials_transmission": { "transmissionFactor": 0.1 } } }"#;
+    let red = r#"{ "pbrMetallicRoughness": { "metallicFactor": 0 }, "extensions": {
+        "KHR_materials_transmission": { "transmissionFactor": 1 }, "KHR_materials_clearcoat": { "clearcoatFactor": 1 } } }"#;
     let named = |names: &[&str]| {
         names.iter().map(|n| red.replacen('{', &format!(r#"{{ "name": "{n}","#), 1)).collect::<Vec<_>>().join(", ")
     };
     let notes = |names: &[&str]| {
         loaded(&document(&format!(r#""nodes": [{{ "mesh": 0 }}], "materials": [{}]"#, named(names)))).notes
     };
-    assert_eq!(
-        notes(&["a", "b"]),
-        ["material 'a' and 1 other: transmission of a part of the light is not supported and ignored"]
-    );
+    assert_eq!(notes(&["a", "b"]), ["material 'a' and 1 other: a clear coat over glass is not supported and ignored"]);
     assert!(notes(&["a", "b", "c"])[0].starts_with("material 'a' and 2 others: "));
     let sheen = document(PLAIN).replacen("\"asset\"", "\"extensionsUsed\": [\"KHR_materials_sheen\"], \"asset\"", 1);
     assert!(loaded(&sheen).notes[0].ends_with("the extension KHR_materials_sheen is not supported and ignored"));
