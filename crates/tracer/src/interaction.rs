@@ -1,9 +1,10 @@
 //! A point on a surface that a ray has found.
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 use crate::Ray;
 use crate::material::{Material, Surface};
+use crate::texture::TexCoords;
 
 /// A point on a surface, with all that scattering needs to know about it.
 #[derive(Clone, Copy, Debug)]
@@ -19,7 +20,7 @@ pub struct Interaction<'a> {
     /// Unit normal of its clear coat, in the same hemisphere; that of the surface where it has none.
     pub coat_normal: Vec3,
     /// Texture coordinates; zero where the mesh has none.
-    pub uv: Vec2,
+    pub uv: TexCoords,
     /// Colour of the vertices, which multiplies that of the surface; white where the mesh has none.
     pub tint: Vec3,
     /// Unit direction back along the ray.
@@ -44,7 +45,7 @@ impl<'a> Interaction<'a> {
             geometric_normal: normal,
             shading_normal: normal,
             coat_normal: normal,
-            uv: Vec2::ZERO,
+            uv: TexCoords::ZERO,
             tint: Vec3::ONE,
             outgoing: normal,
             distance: 0.0,

@@ -2,10 +2,10 @@
 
 use std::sync::{Arc, OnceLock};
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 use crate::bsdf::{GlassAlbedo, MetalAlbedo, SharedTables, Table};
-use crate::texture::{GreyTexture, Texture};
+use crate::texture::{GreyTexture, TexCoords, Texture};
 
 /// A colour that may vary over the surface: a constant, times a texture when there is one. Linear RGB.
 #[derive(Clone, Debug)]
@@ -24,7 +24,7 @@ impl Colour {
 
     /// The colour at texture coordinates `uv`.
     #[inline]
-    pub fn at(&self, uv: Vec2) -> Vec3 {
+    pub fn at(&self, uv: impl Into<TexCoords>) -> Vec3 {
         self.factor * self.texture.as_ref().map_or(Vec3::ONE, |texture| texture.lookup(uv))
     }
 
@@ -51,7 +51,7 @@ impl Grey {
 
     /// The number at texture coordinates `uv`.
     #[inline]
-    pub fn at(&self, uv: Vec2) -> f32 {
+    pub fn at(&self, uv: impl Into<TexCoords>) -> f32 {
         self.factor * self.texture.as_ref().map_or(1.0, |texture| texture.lookup(uv))
     }
 }
@@ -134,7 +134,7 @@ static GLASSES: SharedTables<(u32, Option<u32>), GlassAlbedo> = SharedTables::ne
 impl SurfaceMaps {
     /// Share of the surface that is there at texture coordinates `uv`, where the opacity of the vertices is `of_vertices`.
     #[inline]
-    pub(crate) fn opacity_at(&self, uv: Vec2, of_vertices: f32) -> f32 {
+    pub(crate) fn opacity_at(&self, uv: impl Into<TexCoords>, of_vertices: f32) -> f32 {
         let Some(opacity) = &self.opacity else { return 1.0 };
         let opacity = opacity.at(uv) * of_vertices;
         match self.cutoff {

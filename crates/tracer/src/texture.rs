@@ -19,8 +19,32 @@ pub struct Raster<T> {
     pub offset: Vec2,
     /// What lies outside of it, to the sides and above and below.
     pub wrap: [Wrap; 2],
+    /// Which set of texture coordinates it is laid out by: 0, or 1 for the further one.
+    pub set: u8,
     /// Of numbers, the least and the greatest; found out when first needed.
     pub(crate) range: OnceLock<[f32; 2]>,
+}
+
+/// Where a point lies on images: in the set of texture coordinates that most are laid out by, and in a further one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TexCoords(pub [Vec2; 2]);
+
+impl TexCoords {
+    /// Where every set begins.
+    pub const ZERO: Self = Self([Vec2::ZERO; 2]);
+
+    /// The sum of those of three corners by their weights.
+    pub(crate) fn weighted(weights: [f32; 3], corners: [Self; 3]) -> Self {
+        let [a, b, c] = corners.map(|corner| corner.0);
+        Self([0, 1].map(|set| weights[0] * a[set] + weights[1] * b[set] + weights[2] * c[set]))
+    }
+}
+
+impl From<Vec2> for TexCoords {
+    /// The same in both sets.
+    fn from(uv: Vec2) -> Self {
+        Self([uv; 2])
+    }
 }
 
 /// What lies outside of an image, along one axis.
@@ -95,6 +119,7 @@ impl<T: Texel> Raster<T> {
             map: Mat2::IDENTITY,
             offset: Vec2::ZERO,
             wrap: [Wrap::Repeat; 2],
+            set: 0,
             range: OnceLock::new(),
         }
     }
@@ -102,8 +127,8 @@ impl<T: Texel> Raster<T> {
     /// What the image shows at texture coordinates `uv` (origin at the image's bottom left, as OBJ has it).
     ///
     /// Texel centres lie at half-integers. Coordinates that are not finite give the first texel.
-    pub fn lookup(&self, uv: Vec2) -> T::Value {
-        let uv = self.map * uv + self.offset;
+    pub fn lookup(&self, uv: impl Into<TexCoords>) -> T::Value {
+        let uv = self.map * uv.into().0[usize::from(self.set)] + self.offset;
         let [across, down] = self.wrap;
         let (x0, x1, fx) = neighbours(uv.x, self.width, across);
         let (y0, y1, fy) = neighbours(1.0 - uv.y, self.height, down);
@@ -191,10 +216,17 @@ mod tests {
     }
 
     #[test]
+    fn an_image_is_looked_up_in_its_own_set_of_coordinates() {
+        let both = TexCoords([Vec2::new(0.25, 0.75), Vec2::new(0.75, 0.25)]);
+        assert_eq!(checker().lookup(both), Vec3::X);
+        assert_eq!(Texture { set: 1, ..checker() }.lookup(both), Vec3::Z);
+    }
+
+    #[test]
     fn a_clamped_image_ends_at_its_border() {
         let t = Texture { wrap: [Wrap::Clamp; 2], ..checker() };
         for (outside, border) in [([-3.0, 0.75], [0.0, 0.75]), ([0.75, 9.0], [0.75, 1.0]), ([2.0, -2.0], [1.0, 0.0])] {
-            assert_eq!(t.lookup(outside.into()), t.lookup(border.into()));
+            assert_eq!(t.lookup(Vec2::from(outside)), t.lookup(Vec2::from(border)));
         }
         assert_eq!(t.lookup(Vec2::new(0.0, 1.0)), Vec3::X);
         assert_eq!(t.lookup(Vec2::new(0.5, 1.0)), 0.5 * Vec3::X);

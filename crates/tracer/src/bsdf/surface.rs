@@ -9,6 +9,7 @@ use super::{Coated, Conductor, Diffuse, Glass, Lobe, Mirror, RoughGlass, RoughPa
 use crate::interaction::Interaction;
 use crate::light::Receiver;
 use crate::material::{Colour, Grey, Material, Surface, SurfaceMaps, Tinted};
+use crate::texture::TexCoords;
 
 /// Metals and glass smoother than this are perfectly smooth: their highlight is narrower than any pixel.
 const SMOOTH_ALPHA: f32 = 1e-3;
@@ -339,7 +340,7 @@ fn conductor(reflectance: Vec3, alphas: [f32; 2], cosine: f32, maps: &SurfaceMap
 }
 
 /// `colour` at texture coordinates `uv`, clamped to 0 … 1.
-fn colour_at(colour: &Colour, uv: Vec2) -> Vec3 {
+fn colour_at(colour: &Colour, uv: TexCoords) -> Vec3 {
     colour.at(uv).clamp(Vec3::ZERO, Vec3::ONE)
 }
 

@@ -7,6 +7,7 @@ use crate::interaction::Interaction;
 use crate::material::Material;
 use crate::sampler::warp::sample_triangle;
 use crate::scene::EmissiveTriangle;
+use crate::texture::TexCoords;
 
 /// A point on `light` as seen from `from`; `None` behind it, in its plane, or on it.
 pub(super) fn sample(
@@ -49,7 +50,7 @@ fn radiance(light: &EmissiveTriangle, material: &Material, weights: [f32; 3]) ->
     if !light.varies {
         return light.radiance;
     }
-    let uv = weights[0] * light.uvs[0] + weights[1] * light.uvs[1] + weights[2] * light.uvs[2];
+    let uv = TexCoords::weighted(weights, light.uvs);
     let tint = weights[0] * light.tints[0] + weights[1] * light.tints[1] + weights[2] * light.tints[2];
     material.maps.opacity_at(uv, tint.w) * tint.truncate() * material.emission.at(uv)
 }

@@ -30,10 +30,7 @@ pub(super) struct AreaLight {
 impl AreaLight {
     fn new(positions: Vec<Vec3>, normals: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Self {
         let materials = vec![0; triangles.len()];
-        Self {
-            mesh: Mesh { positions, normals, uvs: vec![], colours: vec![], triangles, materials },
-            radiance: Vec3::ZERO,
-        }
+        Self { mesh: Mesh { positions, normals, triangles, materials, ..Mesh::default() }, radiance: Vec3::ZERO }
     }
 
     /// A dark rectangle round `centre` with sides `size`, the second of which runs roughly along `up`, that faces the unit

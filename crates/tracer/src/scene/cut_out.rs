@@ -6,12 +6,11 @@
 //! section 10.5.1; there, only the ray is hashed). Each triangle has a number of its own, so that two veils of one half
 //! let a quarter pass. Another number decides in the same way what is glass.
 
-use glam::Vec2;
-
 use super::Scene;
 use crate::Ray;
 use crate::bvh::TriangleHit;
 use crate::material::Material;
+use crate::texture::TexCoords;
 
 impl Scene {
     /// Whether `ray` meets the triangle at `hit` on `placed`, or passes through a hole in it.
@@ -30,7 +29,13 @@ impl Scene {
 ///
 /// Where a part is metal, a share of the rest is glass; the rest of that keeps its mixture with metal, which is right where it
 /// is either.
-pub(super) fn as_met<'a>(material: &'a Material, uv: Vec2, ray: &Ray, placed: usize, triangle: u32) -> &'a Material {
+pub(super) fn as_met<'a>(
+    material: &'a Material,
+    uv: TexCoords,
+    ray: &Ray,
+    placed: usize,
+    triangle: u32,
+) -> &'a Material {
     let Some(see_through) = &material.maps.see_through else { return material };
     let metallic = material.maps.metallic.as_ref().map_or(0.0, |metallic| metallic.at(uv).clamp(0.0, 1.0));
     let share = see_through.share.at(uv) * (1.0 - metallic);

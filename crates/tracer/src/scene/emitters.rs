@@ -2,13 +2,14 @@
 
 use std::borrow::Cow;
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{Vec3, Vec4};
 
 use super::mesh::IndexedMesh;
 use super::moving_placement::MovingPlacement;
 use super::placed::Placed;
 use super::{Bounds, Scene};
 use crate::material::{Material, Tinted};
+use crate::texture::TexCoords;
 
 /// A triangle that emits on the side its normal points to.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,7 +23,7 @@ pub struct EmissiveTriangle {
     /// Emitted radiance, the same in all directions of that side; its mean where it varies.
     pub radiance: Vec3,
     /// Texture coordinates of the corners.
-    pub uvs: [Vec2; 3],
+    pub uvs: [TexCoords; 3],
     /// What multiplies emission and opacity at the corners.
     pub tints: [Vec4; 3],
     /// Index of its material.

@@ -60,11 +60,15 @@ impl Scene {
 }
 
 fn add_mesh(digest: &mut Digest, mesh: &Mesh) {
-    let Mesh { positions, normals, uvs, colours, triangles, materials } = mesh;
+    let Mesh { positions, normals, uvs, further_uvs, colours, triangles, materials } = mesh;
     [positions.len(), normals.len(), uvs.len(), triangles.len()].into_iter().for_each(|length| digest.length(length));
     // Only where there are any, so that the digests of scenes without stay what they were.
     if !colours.is_empty() {
         digest.length(colours.len());
+    }
+    if !further_uvs.is_empty() {
+        digest.debug(&"further texture coordinates");
+        further_uvs.iter().for_each(|uv| digest.numbers(uv.as_ref()));
     }
     positions.iter().chain(normals).for_each(|v| digest.numbers(v.as_ref()));
     uvs.iter().for_each(|uv| digest.numbers(uv.as_ref()));
@@ -165,9 +169,12 @@ impl Surfaces {
     fn raster<T>(&mut self, raster: Option<&Arc<Raster<T>>>, add: impl Fn(&T, &mut Digest)) {
         let Some(raster) = raster else { return self.digest.debug(&"none") };
         let number = *self.textures.entry(Arc::as_ptr(raster) as usize).or_insert_with(|| {
-            let Raster { width, height, texels, map, offset, wrap, range: _ } = &**raster;
+            let Raster { width, height, texels, map, offset, wrap, set, range: _ } = &**raster;
             let mut digest = Digest::new();
             digest.debug(&(width, height, map, offset, wrap));
+            if *set != 0 {
+                digest.debug(&("set", set));
+            }
             texels.iter().for_each(|texel| add(texel, &mut digest));
             digest.number()
         });
@@ -230,6 +237,7 @@ mod tests {
         let geometry = [
             fingerprint(|plan| plan.mesh.positions[2].y = 1.0f32.next_up()),
             fingerprint(|plan| plan.mesh.uvs[1].x = 0.5),
+            fingerprint(|plan| plan.mesh.further_uvs = plan.mesh.uvs.clone()),
             fingerprint(|plan| plan.mesh.triangles[0] = [0, 2, 1]),
             fingerprint(|plan| plan.mesh.colours = vec![Vec4::splat(0.5); 3]),
             fingerprint(|plan| plan.motion = None),

@@ -41,6 +41,7 @@ pub(super) fn check(meshes: &[Mesh], instances: &[Instance], materials: usize) -
         let of_vertices = [
             ("normal", mesh.normals.len()),
             ("texture coordinate", mesh.uvs.len()),
+            ("further texture coordinate", mesh.further_uvs.len()),
             ("vertex colour", mesh.colours.len()),
         ];
         for (what, count) in of_vertices {

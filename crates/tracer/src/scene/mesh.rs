@@ -5,6 +5,7 @@ use glam::{DVec3, Vec2, Vec3, Vec4};
 use super::{Dropped, Placement};
 use crate::bvh::TriangleBvh;
 use crate::material::Material;
+use crate::texture::TexCoords;
 
 /// Triangles over shared vertices.
 #[derive(Clone, Debug, Default)]
@@ -15,6 +16,8 @@ pub struct Mesh {
     pub normals: Vec<Vec3>,
     /// Texture coordinates per vertex. Empty when no vertex has any.
     pub uvs: Vec<Vec2>,
+    /// Texture coordinates of a further set. Empty when no material needs one: then it is the same as the first.
+    pub further_uvs: Vec<Vec2>,
     /// What colour and opacity of the surface are multiplied with, per vertex, 0 … 1. Empty when that is 1 everywhere.
     pub colours: Vec<Vec4>,
     /// Vertices of each triangle, counter-clockwise seen from outside.
@@ -47,9 +50,11 @@ impl Mesh {
 
     /// Texture coordinates of a triangle's corners; zero where the mesh has none.
     #[inline]
-    pub(super) fn corner_uvs(&self, triangle: u32) -> [Vec2; 3] {
-        let corners = self.triangles[triangle as usize];
-        corners.map(|v| if self.uvs.is_empty() { Vec2::ZERO } else { self.uvs[v as usize] })
+    pub(super) fn corner_uvs(&self, triangle: u32) -> [TexCoords; 3] {
+        self.triangles[triangle as usize].map(|v| {
+            let first = if self.uvs.is_empty() { Vec2::ZERO } else { self.uvs[v as usize] };
+            TexCoords([first, self.further_uvs.get(v as usize).copied().unwrap_or(first)])
+        })
     }
 
     /// Colours of a triangle's corners; white where the mesh has none.
@@ -88,6 +93,14 @@ impl Mesh {
             self.uvs.resize(self.positions.len(), Vec2::ZERO);
             other.uvs.resize(other.positions.len(), Vec2::ZERO);
         }
+        if !(self.further_uvs.is_empty() && other.further_uvs.is_empty()) {
+            for mesh in [&mut *self, &mut other] {
+                let own = if mesh.uvs.is_empty() { vec![Vec2::ZERO; mesh.positions.len()] } else { mesh.uvs.clone() };
+                if mesh.further_uvs.is_empty() {
+                    mesh.further_uvs = own;
+                }
+            }
+        }
         if !(self.colours.is_empty() && other.colours.is_empty()) {
             self.colours.resize(self.positions.len(), Vec4::ONE);
             other.colours.resize(other.positions.len(), Vec4::ONE);
@@ -95,6 +108,7 @@ impl Mesh {
         self.positions.append(&mut other.positions);
         self.normals.append(&mut other.normals);
         self.uvs.append(&mut other.uvs);
+        self.further_uvs.append(&mut other.further_uvs);
         self.colours.append(&mut other.colours);
         self.triangles.extend(other.triangles.iter().map(|t| t.map(|v| v + first)));
         self.materials.append(&mut other.materials);

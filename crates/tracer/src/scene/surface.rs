@@ -11,7 +11,7 @@ use super::{cut_out, relief};
 use crate::Ray;
 use crate::bvh::TriangleHit;
 use crate::interaction::Interaction;
-use crate::texture::Texture;
+use crate::texture::{TexCoords, Texture};
 
 /// γ₇ of pbrt-v4, section 6.8.5: relative error of a barycentric sum.
 const GAMMA_7: f32 = 3.5 * f32::EPSILON / (1.0 - 3.5 * f32::EPSILON);
@@ -34,7 +34,8 @@ impl Scene {
         let material = cut_out::as_met(material, uv, ray, number, hit.triangle);
         let bent = |map: &Option<Arc<Texture>>| match map {
             Some(map) => {
-                relief::normal(map.lookup(uv), smooth, geometric_normal, corners, mesh.corner_uvs(hit.triangle))
+                let uvs = mesh.corner_uvs(hit.triangle).map(|uvs| uvs.0[usize::from(map.set)]);
+                relief::normal(map.lookup(uv), smooth, geometric_normal, corners, uvs)
             }
             None => smooth,
         };
@@ -84,8 +85,10 @@ fn shading_normal(mesh: &Mesh, placement: Option<&Placement>, hit: &TriangleHit,
 impl Mesh {
     /// Texture coordinates at a hit; zero where the mesh has none.
     #[inline]
-    pub(super) fn uv(&self, hit: &TriangleHit) -> Vec2 {
-        if self.uvs.is_empty() { Vec2::ZERO } else { interpolate(&self.uvs, self, hit) }
+    pub(super) fn uv(&self, hit: &TriangleHit) -> TexCoords {
+        let of = |uvs: &[Vec2]| interpolate(uvs, self, hit);
+        let first = if self.uvs.is_empty() { Vec2::ZERO } else { of(&self.uvs) };
+        TexCoords([first, if self.further_uvs.is_empty() { first } else { of(&self.further_uvs) }])
     }
 
     /// Colour and opacity of the vertices at a hit; white where the mesh has none.

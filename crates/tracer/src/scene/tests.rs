@@ -41,7 +41,7 @@ fn a_hit_knows_the_surface() {
     let hit = scene.intersect(&down(0.25, 0.75)).unwrap();
     assert!((hit.position - Vec3::new(0.25, 0.75, 0.0)).length() < 1e-6);
     assert_eq!((hit.geometric_normal, hit.shading_normal), (Vec3::Z, Vec3::Z));
-    assert!((hit.uv - Vec2::new(0.25, 0.75)).length() < 1e-6);
+    assert!((hit.uv.0[0] - Vec2::new(0.25, 0.75)).length() < 1e-6);
     assert_eq!((hit.outgoing, hit.time, hit.emitter), (Vec3::Z, 0.25, Some(0)));
     assert!((hit.distance - 9.0).abs() < 1e-5);
     assert_eq!(scene.intersect(&down(0.75, 0.25)).unwrap().emitter, None);
@@ -77,7 +77,7 @@ fn instances_and_merged_copies_of_a_mesh_look_the_same() {
         hits += 1;
         assert_eq!((a.geometric_normal, a.emitter), (b.geometric_normal, b.emitter));
         assert!((a.distance - b.distance).abs() < 1e-6 * a.distance);
-        assert!((a.position - b.position).length() < 1e-5 && (a.uv - b.uv).length() < 1e-5);
+        assert!((a.position - b.position).length() < 1e-5 && (a.uv.0[0] - b.uv.0[0]).length() < 1e-5);
     }
     assert!(hits > 200);
 }

@@ -83,6 +83,7 @@ impl ImageTable {
             map: Mat2::from_diagonal(self.scale().into()),
             offset: Vec2::from_array(self.offset()),
             wrap: [self.wrap().wrap(); 2],
+            set: 0,
             strength: self.factor().0[0] as f32,
             channel: self.channel().copied(),
         }

@@ -1,5 +1,6 @@
 //! Materials of a glTF file: base colour, metalness, roughness, and what extensions add.
 
+use std::cell::Cell;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -19,8 +20,8 @@ use crate::texture::{GreyTexture, Texture};
 /// What meshes have to know of a material.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Needs {
-    /// Which texture coordinates it is laid out by.
-    pub(super) set: u32,
+    /// Which texture coordinates it is laid out by; the same twice where it needs no others.
+    pub(super) sets: [u32; 2],
     /// What the opacity of vertices is for.
     pub(super) alpha: AlphaMode,
 }
@@ -37,21 +38,21 @@ pub(super) fn read_materials(
     let (mut materials, mut needs) = (Vec::new(), Vec::new());
     for material in document.materials() {
         let name = material.name().map_or_else(|| format!("material {}", materials.len()), str::to_owned);
-        let one = One { material: &material, name, set: set_of(&material) };
-        needs.push(Needs { set: one.set, alpha: material.alpha_mode() });
-        materials.push(reader.material(one));
+        let (set, further) = (set_of(&material), Cell::new(None));
+        materials.push(reader.material(One { material: &material, name, set, further: &further }));
+        needs.push(Needs { sets: [set, further.get().unwrap_or(set)], alpha: material.alpha_mode() });
     }
     reader.note_ignored();
     // What the specification gives them is rough white metal; viewers and their users know dull grey.
     for reflectance in [0.5, 1.0] {
         let dull = Surface::Diffuse { reflectance: Colour::constant(Vec3::splat(reflectance)) };
         materials.push(Material::new("no material", dull, Vec3::ZERO));
-        needs.push(Needs { set: 0, alpha: AlphaMode::Opaque });
+        needs.push(Needs { sets: [0; 2], alpha: AlphaMode::Opaque });
     }
     (materials, needs)
 }
 
-/// The texture coordinates of the first texture that there is: meshes keep one set.
+/// The texture coordinates of the first texture that there is.
 fn set_of(material: &gltf::Material) -> u32 {
     let pbr = material.pbr_metallic_roughness();
     let infos = [pbr.base_color_texture(), pbr.metallic_roughness_texture(), material.emissive_texture()];
@@ -118,7 +119,10 @@ struct Reader<'a> {
 struct One<'a> {
     material: &'a gltf::Material<'a>,
     name: String,
+    /// The texture coordinates that it is laid out by.
     set: u32,
+    /// Others that a part of its textures is laid out by, once one has been met.
+    further: &'a Cell<Option<u32>>,
 }
 
 impl<'a> Reader<'a> {
@@ -324,12 +328,18 @@ impl<'a> Reader<'a> {
 
     /// The image of a texture, if there is one that the mesh has coordinates for.
     fn place(&mut self, one: &One, placed: &PlacedTexture) -> Option<TextureUse> {
-        if placed.set != one.set {
-            self.ignore(one, "textures laid out by further texture coordinates are");
+        // Meshes keep two sets.
+        let is_further = placed.set != one.set;
+        if is_further && one.further.get().is_some_and(|further| further != placed.set) {
+            self.ignore(one, "textures laid out by a third set of texture coordinates are");
             return None;
         }
         let texture = placed.texture_use(self.document, self.buffers, &mut self.files);
-        self.found(one, |_| texture)
+        let texture = self.found(one, |_| texture)?;
+        if is_further {
+            one.further.set(Some(placed.set));
+        }
+        Some(TextureUse { set: u8::from(is_further), ..texture })
     }
 
     fn found<T>(&mut self, one: &One, find: impl FnOnce(&mut TextureFiles) -> Result<T, String>) -> Option<T> {

@@ -79,12 +79,10 @@ fn read_primitive(primitive: &Primitive, buffers: &Buffers, needs: &[Needs], pos
         as_many("normal", normals.len(), vertices)?;
     }
     pose.take(primitive, buffers, &mut positions, &mut normals)?;
-    let uvs: Vec<Vec2> = match primitive.get(&Semantic::TexCoords(needs[material].set)) {
-        // From the top left corner of the image to the bottom left one.
-        Some(uvs) => vectors::<2>(&uvs, buffers)?.into_iter().map(|[u, v]| Vec2::new(u, 1.0 - v)).collect(),
-        None => Vec::new(),
-    };
-    if !uvs.is_empty() {
+    let [set, further] = needs[material].sets;
+    let uvs = read_uvs(primitive, set, buffers)?;
+    let further_uvs = if further == set { Vec::new() } else { read_uvs(primitive, further, buffers)? };
+    for uvs in [&uvs, &further_uvs].into_iter().filter(|uvs| !uvs.is_empty()) {
         as_many("texture coordinate", uvs.len(), vertices)?;
     }
     if !colours.is_empty() {
@@ -99,12 +97,19 @@ fn read_primitive(primitive: &Primitive, buffers: &Buffers, needs: &[Needs], pos
     }
     let triangles = triangles(&corners, primitive.mode());
     let materials = vec![material as u32; triangles.len()];
-    let mut mesh = Mesh { positions, normals, uvs, colours, triangles, materials };
+    let mut mesh = Mesh { positions, normals, uvs, further_uvs, colours, triangles, materials };
     if needs[material].alpha == AlphaMode::Opaque {
         // Nobody asks for it.
         mesh.colours.iter_mut().for_each(|colour| colour.w = 1.0);
     }
     Ok(mesh)
+}
+
+/// Texture coordinates, from the bottom left corner of an image on where a file has them from the top left one; none where the
+/// primitive has none of that set.
+fn read_uvs(primitive: &Primitive, set: u32, buffers: &Buffers) -> Result<Vec<Vec2>, String> {
+    let Some(uvs) = primitive.get(&Semantic::TexCoords(set)) else { return Ok(Vec::new()) };
+    Ok(vectors::<2>(&uvs, buffers)?.into_iter().map(|[u, v]| Vec2::new(u, 1.0 - v)).collect())
 }
 
 /// Linear colours, with opacity or without; what is no share of light is taken for the nearest that is.

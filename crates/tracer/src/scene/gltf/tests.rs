@@ -510,11 +510,49 @@ fn textures_lie_where_the_file_lays_them() {
     assert!(
         with("", r#", "alphaMode": "MASK", "alphaCutoff": 0.1"#).maps.opacity.is_none_or(|all| all.at(at(0.75)) == 1.0)
     );
-    let other = material(&painted.replace("INFO", r#", "texCoord": 1"#).replace("MORE", "")).1;
+    // Base colour by the second set, metal and roughness by the first, emission by a third.
+    let third = r#", "emissiveFactor": [1, 1, 1], "emissiveTexture": { "index": 0, "texCoord": 2 }"#;
+    let notes = material(&painted.replace("INFO", r#", "texCoord": 1"#).replace("MORE", third)).1;
     assert_eq!(
-        other,
-        ["material 'material 0': textures laid out by further texture coordinates are not supported and ignored"]
+        notes,
+        [
+            "material 'material 0': textures laid out by a third set of texture coordinates are not supported and ignored"
+        ]
     );
+}
+
+#[test]
+fn each_texture_is_laid_out_by_its_own_coordinates() {
+    // The second set is the first one turned by half a turn, so that what is red on the left is on the right.
+    let turned: Vec<u8> = UVS.chunks(4).flat_map(|uv| [255 - uv[0], 255 - uv[1], 0, 0]).collect();
+    let data = STANDARD.encode(&turned);
+    let json = |info: &str| {
+        let textures = r#""textures": [{ "source": 0 }], "images": [{ "uri": "a%20b.png" }]"#;
+        let painted = format!(
+            r#"{{ "pbrMetallicRoughness": {{ "metallicFactor": 0, "baseColorTexture": {{ "index": 0 {info} }} }},
+            "emissiveFactor": [1, 1, 1], "emissiveTexture": {{ "index": 0 }} }}"#
+        );
+        document(&format!(r#""nodes": [{{ "mesh": 0 }}], {textures}, "materials": [{painted}]"#))
+            .replacen("\"byteLength\": 70 }", &format!("\"byteLength\": 70 }}, {{ \"uri\": \"data:;base64,{data}\", \"byteLength\": 16 }}"), 1)
+            .replacen(r#""byteLength": 6 }"#, r#""byteLength": 6 }, { "buffer": 1, "byteLength": 16, "byteStride": 4 }"#, 1)
+            .replacen(
+                r#""count": 6, "type": "SCALAR" }"#,
+                r#""count": 6, "type": "SCALAR" }, { "bufferView": 3, "componentType": 5121, "normalized": true, "count": 4, "type": "VEC2" }"#,
+                1,
+            )
+            .replacen(r#""TEXCOORD_0": 1"#, r#""TEXCOORD_0": 1, "TEXCOORD_1": 3"#, 1)
+    };
+    for (info, red) in [("", 0.25), (r#", "texCoord": 1"#, 0.75)] {
+        let found = loaded(&json(info));
+        assert!(found.notes.iter().all(|note| !note.contains("texture coordinates")), "{:?}", found.notes);
+        let scene = found.scene;
+        let seen = |x: f32| scene.intersect(&ray(x, 0.4, 1.0)).unwrap();
+        assert!(Bsdf::at(&seen(red)).albedo().x > 0.9 && Bsdf::at(&seen(1.0 - red)).albedo().x < 0.1, "{info}");
+        // Emission stays by the first set, for light samples, too.
+        let lights = Lights::new(&scene);
+        let emitted = |x: f32| lights.emitted(seen(x).emitter.unwrap(), &seen(x)).x;
+        assert!(emitted(0.25) > 0.9 && emitted(0.75) < 0.1, "{info}");
+    }
 }
 
 #[test]

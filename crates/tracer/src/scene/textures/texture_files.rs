@@ -13,8 +13,8 @@ use super::bump::{is_normal_map, normals_of_heights, steeper};
 use super::{Channel, TextureUse};
 use crate::texture::{GreyTexture, Raster, Texel, Texture, Wrap};
 
-/// Where an image lies on the surface: map, offset, and what lies outside of it.
-type Layout = ([u32; 6], [Wrap; 2]);
+/// Where an image lies on the surface: map, offset, what lies outside of it, and by which coordinates.
+type Layout = ([u32; 6], [Wrap; 2], u8);
 
 /// What has been made of which file, laid out how; the third number tells what was made of it.
 type Made<K, T> = HashMap<(PathBuf, Layout, K), Arc<Raster<T>>>;
@@ -207,15 +207,20 @@ fn made<K: Copy + Eq + Hash, T: Texel>(
 ) -> Result<Arc<Raster<T>>, String> {
     let file = images.key(&texture.file)?;
     let ([a, b, c, d], [x, y]) = (texture.map.to_cols_array(), texture.offset.to_array());
-    let layout = ([a, b, c, d, x, y].map(f32::to_bits), texture.wrap);
+    let layout = ([a, b, c, d, x, y].map(f32::to_bits), texture.wrap, texture.set);
     let key = (file.clone(), layout, kind);
     if let Some(texture) = before.get(&key) {
         return Ok(texture.clone());
     }
     let image = images.decoded(&texture.file, &file).and_then(make);
     let ([width, height], texels) = image.map_err(|e| format!("texture '{}' cannot be read: {e}", texture.file))?;
-    let texture =
-        Raster { map: texture.map, offset: texture.offset, wrap: texture.wrap, ..Raster::new(width, height, texels) };
+    let texture = Raster {
+        map: texture.map,
+        offset: texture.offset,
+        wrap: texture.wrap,
+        set: texture.set,
+        ..Raster::new(width, height, texels)
+    };
     Ok(before.entry(key).or_insert(Arc::new(texture)).clone())
 }
 

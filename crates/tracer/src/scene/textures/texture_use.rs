@@ -16,6 +16,8 @@ pub(in super::super) struct TextureUse {
     pub(in super::super) offset: Vec2,
     /// What lies outside of the image, to the sides and above and below.
     pub(in super::super) wrap: [Wrap; 2],
+    /// Which set of texture coordinates: 0, or 1 for the further one.
+    pub(in super::super) set: u8,
     /// Of a height map, how many texels wide a height of 1 is high; of a normal map, a factor on its slopes.
     pub(in super::super) strength: f32,
     /// Which channel a single number is taken from, where it is said.
@@ -36,6 +38,14 @@ pub(in super::super) enum Channel {
 impl TextureUse {
     /// An image that covers texture coordinates 0 … 1 once, and repeats.
     pub(in super::super) const fn plain(file: String) -> Self {
-        Self { file, map: Mat2::IDENTITY, offset: Vec2::ZERO, wrap: [Wrap::Repeat; 2], strength: 1.0, channel: None }
+        Self {
+            file,
+            map: Mat2::IDENTITY,
+            offset: Vec2::ZERO,
+            wrap: [Wrap::Repeat; 2],
+            set: 0,
+            strength: 1.0,
+            channel: None,
+        }
     }
 }
