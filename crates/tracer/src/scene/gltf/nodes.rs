@@ -19,6 +19,10 @@ use crate::light::DeltaLight;
 /// Diameter of the disc of a directional light, in radians: that of the sun.
 const SUN: f32 = 0.53 * std::f32::consts::PI / 180.0;
 
+/// How far behind its place a camera without perspective stands, in halves of the height that it sees: what is as far behind the
+/// middle as the picture is high then is 0.4 % smaller.
+const FAR_AWAY: f32 = 500.0;
+
 /// What has been put in its place so far.
 pub(super) struct Stage {
     /// Those of the file, and those that stand in a pose of their own.
@@ -96,8 +100,14 @@ impl Stage {
                 Some(description) => {
                     let name = camera.name().or(node.name()).map(str::to_owned);
                     self.cameras.push((name, description));
+                    if matches!(camera.projection(), Projection::Orthographic(_)) {
+                        notes.add(format!(
+                            "{}: a camera without perspective is one from far away; what is behind it may come into view",
+                            what()
+                        ));
+                    }
                 }
-                None => notes.add(format!("{}: a camera that has no perspective is left out", what())),
+                None => notes.add(format!("{}: a camera that sees nothing is left out", what())),
             }
         }
         if let Some(light) = node.light() {
@@ -137,11 +147,21 @@ fn ahead(map: DAffine3) -> (Vec3, Vec3) {
 }
 
 fn description(camera: &Camera, map: DAffine3) -> Option<CameraDescription> {
-    let Projection::Perspective(perspective) = camera.projection() else { return None };
     let (forward, eye) = ahead(map);
     let up = map.transform_vector3(DVec3::Y).as_vec3();
-    let fov = perspective.yfov().to_degrees();
-    Some(CameraDescription { up, fov, ..CameraDescription::looking(eye, eye + forward) })
+    match camera.projection() {
+        Projection::Perspective(perspective) => {
+            let fov = perspective.yfov().to_degrees();
+            Some(CameraDescription { up, fov, ..CameraDescription::looking(eye, eye + forward) })
+        }
+        Projection::Orthographic(orthographic) => {
+            // Scaled with its node, as what it sees is.
+            let half_height = orthographic.ymag().abs() * map.transform_vector3(DVec3::Y).length() as f32;
+            let fov = 2.0 * FAR_AWAY.recip().atan().to_degrees();
+            let from = eye - FAR_AWAY * half_height * forward;
+            (half_height > 0.0).then(|| CameraDescription { up, fov, ..CameraDescription::looking(from, eye) })
+        }
+    }
 }
 
 /// A light that is finite and brighter than nothing.

@@ -209,6 +209,27 @@ fn everything_stands_where_its_node_puts_it() {
 }
 
 #[test]
+fn a_camera_without_perspective_sees_all_distances_alike() {
+    let nodes = r#""nodes": [{ "mesh": 0 }, { "camera": 0, "translation": [0.5, 0.5, 3], "scale": [2, 2, 2] },
+        { "camera": 1, "translation": [0, 0, 5] }], "materials": [{}],
+        "cameras": [{ "type": "orthographic", "orthographic": { "xmag": 1, "ymag": 0.5, "znear": 0, "zfar": 9 } },
+        { "type": "orthographic", "orthographic": { "xmag": 1, "ymag": 0, "znear": 0, "zfar": 9 } }]"#;
+    let json = document(nodes).replacen(r#""scenes": [{ "nodes": [0] }]"#, r#""scenes": [{ "nodes": [0, 1, 2] }]"#, 1);
+    let loaded = loaded(&json);
+    let camera = loaded.cameras[0].1.on(stack::Size::new(100, 100)).unwrap();
+    // 2 high and wide round (0.5, 0.5), near and far.
+    for (film, at) in [([50.0, 50.0], [0.5, 0.5]), ([0.0, 50.0], [-0.5, 0.5]), ([50.0, 100.0], [0.5, -0.5])] {
+        let ray = camera.ray(film.into(), Vec2::ZERO, 0.0);
+        for z in [-1.0, 0.0, 2.0] {
+            let seen = ray.at((z - ray.origin.z) / ray.direction.z);
+            assert!((seen.truncate() - Vec2::from(at)).length() < 0.01, "{film:?}: {seen}");
+        }
+    }
+    assert!(loaded.cameras.len() == 1 && loaded.notes.len() == 2, "{:?}", loaded.notes);
+    assert!(loaded.notes[0].contains("one from far away") && loaded.notes[1].contains("sees nothing"));
+}
+
+#[test]
 fn lights_shine_along_their_nodes() {
     let lights = r#""extensionsUsed": ["KHR_lights_punctual"], "extensions": { "KHR_lights_punctual": { "lights": [
         { "type": "point", "intensity": 2, "color": [1, 0.5, 0] },
