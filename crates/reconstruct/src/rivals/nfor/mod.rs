@@ -60,8 +60,8 @@ struct ColourHalves {
     variance: Image,
 }
 
-/// Rebuilds the radiance of `component`, whose noise was `noise_measured` or told from the picture. The error map is the selection's own estimate (section 5.3) of the mean of both
-/// halves before the second pass.
+/// Rebuilds the radiance of `component`, whose noise was `noise_measured` or told from the picture. The error map is the
+/// selection's own estimate (section 5.3) of the mean of both halves before the second pass.
 ///
 /// # Errors
 /// When the noise does not come in buckets, there is no feature, or `monitor` cancels.
