@@ -36,8 +36,8 @@ pub struct DirectionSample {
 /// Two normals, two dangers (Veach 1997, section 5.3). Lobes live around the shading normal; what they reflect must
 /// stay on the viewer's side of the *real* surface, and what they transmit beyond it, or light leaks through walls.
 /// A viewer below the shading horizon (at silhouettes of coarse meshes) sees the geometric normal instead. A perfect
-/// mirror or glass whose direction would leak takes the geometric normal too, so it keeps its energy; rough lobes
-/// lose what would leak.
+/// mirror or glass whose direction would leak takes the geometric normal too, so it keeps its energy. The normal of
+/// metal in relief is bent back until what it mirrors is above the surface; what else of rough lobes would leak is lost.
 #[derive(Clone, Copy, Debug)]
 pub struct Bsdf {
     position: Vec3,
