@@ -38,9 +38,8 @@ impl Task<'_> {
         let around = self.higher_where_few(self.evened_out(&high.around));
         let cap = |(pixel, (around, own)): (usize, (&f32, &f32))| {
             let reached = factor * around;
-            let excess = (own - reached).max(0.0);
-            let detail = if excess > 0.0 { self.is_detail(pixel, reached) } else { 0.0 };
-            (reached + detail * excess).max(LEAST_CAP)
+            let cap = if *own > reached { self.of_bright_pixel(pixel, reached, *own) } else { reached };
+            cap.max(LEAST_CAP)
         };
         let mut caps: Vec<f32> = around.par_iter().zip(&high.own).enumerate().map(cap).collect();
         if let Some(rises) = rises(self.size, self.luminances, &caps, self.settings.most) {
@@ -89,17 +88,25 @@ impl Task<'_> {
         HighRanks { around, own }
     }
 
-    /// How likely it is, from 0 to 1, that those of a pixel's buckets that are above `reached` are a detail of the
-    /// picture, in which any number of them is as likely as any other, and did not meet by chance, at the rate of the
-    /// other buckets around.
-    fn is_detail(&self, pixel: usize, reached: f32) -> f32 {
-        let (own, around) = (self.own(pixel), self.surroundings(pixel));
+    /// What a pixel is cut at whose upper quartile is above what the surroundings have `reached`: the quartile, as far as
+    /// its bright buckets are likely a detail of the picture, in which any number of them is as likely as any other, and did not
+    /// meet by chance, at the rate of the other buckets around. Where all met by chance, as both of two halves may, none tells
+    /// what else is there, and cut alike they would pass for a detail without noise: the median around stands for it.
+    fn of_bright_pixel(&self, pixel: usize, reached: f32, quartile: f32) -> f32 {
+        let (own, mut around) = (self.own(pixel), self.surroundings(pixel));
         let above = |values: &[f32]| values.iter().filter(|l| **l > reached).count();
         let bright = above(&own);
         let (others_bright, others) = (above(&around) - bright, around.len() - own.len());
         let rate = (others_bright as f32 + 0.5) / (others as f32 + 1.0);
-        let detail = self.settings.detail / (own.len() + 1) as f32;
-        detail / (detail + binomial(bright, own.len(), rate)).max(f32::MIN_POSITIVE)
+        let prior = self.settings.detail / (own.len() + 1) as f32;
+        let detail = prior / (prior + binomial(bright, own.len(), rate)).max(f32::MIN_POSITIVE);
+        let chance = if bright == own.len() {
+            let middle = around.len() / 2;
+            reached.min(*around.select_nth_unstable_by(middle, f32::total_cmp).1)
+        } else {
+            reached
+        };
+        (1.0 - detail) * chance + detail * quartile
     }
 
     /// Luminances of a pixel's filled buckets.

@@ -141,6 +141,20 @@ fn where_two_fireflies_meet_there_is_no_detail() {
 }
 
 #[test]
+fn of_fireflies_that_meet_in_both_halves_nothing_is_left() {
+    let (mut noise, pixel) = (TestNoise(96), SIZE.index(7, 5));
+    let mut half = || -> Vec<f32> {
+        let light = |i: usize, share: f64| if i == pixel { 5.0 } else { 0.1 + 0.02 * share as f32 };
+        (0..SIZE.pixels()).map(|i| light(i, noise.uniform())).collect()
+    };
+    let (halves, samples) = ([half(), half()], SampleCounts::uniform(SIZE.pixels(), vec![8; 2]));
+    let cut_at = |detail: f32| caps(SIZE, &halves, &samples, &SplitSettings { detail, ..settings() })[pixel];
+    let [detail, chance] = [1e3, 1e-9].map(cut_at);
+    assert!((4.99..5.01).contains(&detail), "{detail}");
+    assert!((0.1..0.12).contains(&chance), "{chance}");
+}
+
+#[test]
 fn where_more_events_happen_to_meet_little_more_of_their_light_is_kept() {
     let (size, mut noise) = (Size::new(72, 72), TestNoise(93));
     let mut bucket = || (0..size.pixels()).map(|_| if noise.uniform() < 0.03 { 20.0 } else { 1.0 }).collect();
