@@ -143,6 +143,12 @@ impl SurfaceMaps {
         }
     }
 
+    /// Share of a coated surface that is metal at texture coordinates `uv`.
+    #[inline]
+    pub(crate) fn metallic_at(&self, uv: TexCoords) -> f32 {
+        self.metallic.as_ref().map_or(0.0, |share| share.at(uv).clamp(0.0, 1.0))
+    }
+
     /// Of rough glass of refractive index `ior` and roughness `alpha`, which the map may lower.
     pub(crate) fn glass_albedo(&self, ior: f32, alpha: f32) -> &GlassAlbedo {
         let only = self.only(alpha);

@@ -61,12 +61,12 @@ impl Bsdf {
         let geometric_normal = side * interaction.geometric_normal;
         let shading_normal = side * interaction.shading_normal;
         let normal = if shading_normal.dot(outgoing) > 0.0 { shading_normal } else { geometric_normal };
-        let normal = match metal_share(interaction) {
-            // Relief lets metal mirror what is below the surface, where no light comes from.
-            share if share > 0.0 && interaction.material.maps.normals.is_some() => {
-                normal.lerp(lifted(normal, geometric_normal, outgoing), share).normalize_or(geometric_normal)
-            }
-            _ => normal,
+        // Relief lets metal mirror what is below the surface, where no light comes from.
+        let metal = if interaction.material.maps.normals.is_some() { metal_share(interaction) } else { 0.0 };
+        let normal = if metal > 0.0 {
+            normal.lerp(lifted(normal, geometric_normal, outgoing), metal).normalize_or(geometric_normal)
+        } else {
+            normal
         };
         let frame = Frame::new(normal);
         let local_outgoing = above(frame.to_local(outgoing));
@@ -301,7 +301,7 @@ fn lobe_at(interaction: &Interaction, outside: bool, cosine: f32) -> (Lobe, Vec3
         Surface::Coated { diffuse, specular, alpha } => {
             let (diffuse, specular) = (colour(diffuse), colour_at(specular, uv));
             let specular = maps.specular.as_ref().map_or(specular, |map| specular * map.lookup(uv).clamp(0.0, 1.0));
-            let metallic = metal_share(interaction);
+            let metallic = maps.metallic_at(uv);
             if metallic >= 1.0 {
                 return (conductor(diffuse, [*alpha, roughness(alpha)], cosine, maps), diffuse);
             }
@@ -315,7 +315,7 @@ fn metal_share(interaction: &Interaction) -> f32 {
     let Interaction { material, uv, .. } = *interaction;
     match &material.surface {
         Surface::Mirror { .. } | Surface::Conductor { .. } => 1.0,
-        Surface::Coated { .. } => material.maps.metallic.as_ref().map_or(0.0, |share| share.at(uv).clamp(0.0, 1.0)),
+        Surface::Coated { .. } => material.maps.metallic_at(uv),
         Surface::Diffuse { .. } | Surface::Glass { .. } | Surface::ThinGlass { .. } => 0.0,
     }
 }

@@ -37,8 +37,7 @@ pub(super) fn as_met<'a>(
     triangle: u32,
 ) -> &'a Material {
     let Some(see_through) = &material.maps.see_through else { return material };
-    let metallic = material.maps.metallic.as_ref().map_or(0.0, |metallic| metallic.at(uv).clamp(0.0, 1.0));
-    let share = see_through.share.at(uv) * (1.0 - metallic);
+    let share = see_through.share.at(uv) * (1.0 - material.maps.metallic_at(uv));
     if share > number(ray, placed, triangle, OF_GLASS) { &see_through.glass } else { material }
 }
 
