@@ -75,8 +75,6 @@ def pixels_of(picture):
 
 
 def measure(options, folder):
-    import numpy
-
     print("| file | red | green | blue | pixels that differ |\n|---|---|---|---|---|")
     for file in options.files:
         info = subprocess.run([options.tamis, "info", file, "--json"], check=True, stdout=subprocess.PIPE)

@@ -29,7 +29,10 @@ from packages import need
 need(__doc__, "numpy", "OpenEXR", "PIL", "mitsuba", "embreex")
 
 import numpy as np  # noqa: E402
-from both_renderers import View, mi, mitsuba_scene, read_obj  # noqa: E402
+from both_renderers.mitsuba_scene import mitsuba_scene  # noqa: E402
+from both_renderers.mitsuba_variant import mi  # noqa: E402
+from both_renderers.obj import read_obj  # noqa: E402
+from both_renderers.view import View  # noqa: E402
 from embreex import mesh_construction, rtcore_scene  # noqa: E402
 
 HERE = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))

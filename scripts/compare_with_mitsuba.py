@@ -6,7 +6,7 @@
 
 A place that begins with a minus needs an equals sign: --eye=-0.01,0.995,4.835.
 
-For Mitsuba, geometry, materials and camera are read and built by both_renderers.py, from the OBJ and MTL files and from
+For Mitsuba, geometry, materials and camera are read and built by the modules of both_renderers, from the OBJ and MTL files and from
 what Tamis documents; no code is shared with Tamis. Both render `--seeds` pictures of `--spp` samples with as many
 independent seeds, from whose spread the standard errors follow. Printed are the means per channel with their ratio, and
 how far the means over blocks of 16 × 16 pixels lie apart in units of their standard error. DIR gets both pictures side by
@@ -31,14 +31,10 @@ from packages import need
 need(__doc__, "numpy", "OpenEXR", "PIL", "mitsuba")
 
 import numpy as np  # noqa: E402
-from both_renderers import (  # noqa: E402
-    View,
-    mean_and_error,
-    render_with_mitsuba,
-    render_with_tamis,
-    trapezoid,
-    write_side_by_side,
-)
+from both_renderers.comparison import mean_and_error, write_side_by_side  # noqa: E402
+from both_renderers.renders import render_with_mitsuba, render_with_tamis  # noqa: E402
+from both_renderers.trapezoid import trapezoid  # noqa: E402
+from both_renderers.view import View  # noqa: E402
 
 BLOCK = 16
 

@@ -26,7 +26,9 @@ need(__doc__, "numpy", "OpenEXR", "PIL", "mitsuba")
 
 import numpy as np  # noqa: E402
 import OpenEXR  # noqa: E402
-from both_renderers import View, mean_and_error, render_with_mitsuba, render_with_tamis, write_side_by_side  # noqa: E402
+from both_renderers.comparison import mean_and_error, write_side_by_side  # noqa: E402
+from both_renderers.renders import render_with_mitsuba, render_with_tamis  # noqa: E402
+from both_renderers.view import View  # noqa: E402
 from PIL import Image  # noqa: E402
 
 SIGNIFICANCE = 0.01
