@@ -5,7 +5,7 @@ mod parting;
 use rayon::prelude::*;
 use stack::{Cancelled, Image, Monitor, SampleCounts, planes_of_zeros};
 
-use super::edge_avoiding::Taps;
+use super::edge_avoiding::{Seamless, Taps};
 use super::halves::luminance;
 use super::settings::CascadeSettings;
 use crate::per_pixel::{plane, planes_by_eight};
@@ -93,7 +93,7 @@ pub fn add_significant_residual(
     picture: &mut Image,
     parts: Parts,
     relative: Vec<f32>,
-    mut taps_of: impl FnMut(usize) -> Taps,
+    taps_of: impl FnMut(usize) -> Taps,
     scrutiny: Scrutiny,
     monitor: &dyn Monitor,
 ) -> Result<(), Cancelled> {
@@ -101,7 +101,8 @@ pub fn add_significant_residual(
     let (mut residual, shares) = residuals(parts, picture);
     let parting = Parting::new(shares, relative, scrutiny.significance);
     let mut found = planes_of_zeros(picture.pixels(), 3);
-    let (mut taps, mut next) = (taps_of(1), taps_of(2));
+    let mut kernel = Seamless::new(taps_of);
+    let (mut taps, mut next) = (kernel.taps(1), kernel.taps(2));
     for level in 0..scrutiny.levels {
         if monitor.cancelled() {
             return Err(Cancelled);
@@ -112,14 +113,14 @@ pub fn add_significant_residual(
             add_difference(&mut found, &residual[parting.parts()..], &coarse[parting.parts()..]);
             residual = coarse;
             taps = next;
-            next = taps_of(4 << level);
+            next = kernel.taps(4 << level);
         } else {
             let mut detail = Detail::new(&parting, &residual, &coarse);
             residual = coarse;
             detail.smooth(&taps);
             taps = next;
             detail.smooth(&taps);
-            next = taps_of(4 << level);
+            next = kernel.taps(4 << level);
             detail.smooth(&next);
             detail.add_significant(scrutiny.gain, &mut found);
         }

@@ -2,6 +2,7 @@
 //! pixels are in planes that tell surfaces, and perhaps brightness, apart.
 
 mod piece;
+mod seamless;
 mod smoothing;
 mod taps;
 
@@ -10,6 +11,7 @@ use stack::{Image, Size};
 use super::features::CleanFeatures;
 use super::light_features::logarithm;
 use crate::per_pixel::plane;
+pub use seamless::Seamless;
 use taps::Separation;
 pub use taps::Taps;
 
@@ -46,6 +48,12 @@ impl<'a> EdgeAvoidingKernel<'a> {
         let weighed = |values: &Vec<f32>| plane(values.len(), |pixel| weight * logarithm(values[pixel]));
         let brightness = picture.channels().iter().map(weighed).collect();
         Self { brightness, ..Self::on_surfaces(features, scale) }
+    }
+
+    /// The share of each pixel's surroundings that is on its surface and in the picture, as `levels` kernels one after the
+    /// other weigh it, each twice as wide: 1 inside of a surface, 1/2 at a straight edge.
+    pub fn mass(&self, levels: usize) -> Vec<f32> {
+        (0..levels).fold(vec![1.0; self.size.pixels()], |mass, level| self.taps(1 << level).sum(&mass))
     }
 
     /// Smooths `planes` with taps `step` pixels apart.

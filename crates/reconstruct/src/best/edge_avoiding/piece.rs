@@ -18,14 +18,14 @@ pub struct Piece<'a> {
     /// What each weighs.
     weights: [&'a [f32]; TAPS],
     count: usize,
-    /// One over the sum of a pixel's weights.
+    /// One over the sum of a pixel's weights where means are wanted, one where sums are.
     scale: [f32; PIXELS],
 }
 
 impl<'a> Piece<'a> {
-    /// Some `pixels` of row `y`.
+    /// Some `pixels` of row `y`, for means or for sums.
     #[inline(always)]
-    pub fn new(taps: &'a Taps, y: usize, pixels: Range<usize>) -> Self {
+    pub fn new(taps: &'a Taps, y: usize, pixels: Range<usize>, are_means: bool) -> Self {
         let mut piece = Self { taps: [0; TAPS], weights: [&[]; TAPS], count: 0, scale: [0.0; PIXELS] };
         let here = taps.size.index(pixels.start, y);
         for number in 0..TAPS {
@@ -35,7 +35,8 @@ impl<'a> Piece<'a> {
             (piece.taps[piece.count], piece.weights[piece.count]) = (there, weights);
             piece.count += 1;
         }
-        piece.scale[..pixels.len()].iter_mut().for_each(|scale| *scale = 1.0 / *scale);
+        let scale = |sum: f32| if are_means { 1.0 / sum } else { 1.0 };
+        piece.scale[..pixels.len()].iter_mut().for_each(|sum| *sum = scale(*sum));
         piece
     }
 

@@ -9,14 +9,24 @@ use super::piece::{PLANES, Piece};
 use super::taps::{PIXELS, Taps, for_each_row};
 
 impl Taps {
-    /// Smooths `planes`.
+    /// Smooths `planes`: weighed means.
     pub fn smooth(&self, planes: &[impl AsRef<[f32]>]) -> Vec<Vec<f32>> {
         let planes: Vec<&[f32]> = planes.iter().map(AsRef::as_ref).collect();
-        let mut smooth = planes_of_zeros(self.size.pixels(), planes.len());
-        for_each_row(&mut smooth, self.size.width, |y, smooth| {
-            pulp::Arch::new().dispatch(RowTask { taps: self, planes: &planes, y, smooth });
+        self.sums(&planes, true)
+    }
+
+    /// Weighed sums of a plane's values: the spline's sum is one, what lies elsewhere counts as zero.
+    pub fn sum(&self, plane: &[f32]) -> Vec<f32> {
+        self.sums(&[plane], false).remove(0)
+    }
+
+    /// Weighed sums of `planes`, perhaps over the sum of the weights.
+    fn sums(&self, planes: &[&[f32]], are_means: bool) -> Vec<Vec<f32>> {
+        let mut sums = planes_of_zeros(self.size.pixels(), planes.len());
+        for_each_row(&mut sums, self.size.width, |y, sums| {
+            pulp::Arch::new().dispatch(RowTask { taps: self, planes, are_means, y, sums });
         });
-        smooth
+        sums
     }
 }
 
@@ -24,9 +34,11 @@ impl Taps {
 struct RowTask<'a> {
     taps: &'a Taps,
     planes: &'a [&'a [f32]],
+    /// Whether sums are over that of the weights.
+    are_means: bool,
     y: usize,
-    /// The smooth row, one for each plane.
-    smooth: Vec<&'a mut [f32]>,
+    /// The row of sums, one for each plane.
+    sums: Vec<&'a mut [f32]>,
 }
 
 impl WithSimd for RowTask<'_> {
@@ -34,11 +46,11 @@ impl WithSimd for RowTask<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { taps, planes, y, mut smooth } = self;
+        let Self { taps, planes, are_means, y, mut sums } = self;
         for pixels in pieces(taps.size.width, taps.step) {
-            let piece = Piece::new(taps, y, pixels.clone());
-            for (planes, smooth) in planes.chunks(PLANES).zip(smooth.chunks_mut(PLANES)) {
-                match (planes, smooth) {
+            let piece = Piece::new(taps, y, pixels.clone(), are_means);
+            for (planes, sums) in planes.chunks(PLANES).zip(sums.chunks_mut(PLANES)) {
+                match (planes, sums) {
                     ([a], [x]) => piece.smooth(simd, [a], [&mut x[pixels.clone()]]),
                     ([a, b], [x, y]) => piece.smooth(simd, [a, b], [x, y].map(|row| &mut row[pixels.clone()])),
                     ([a, b, c], [x, y, z]) => {

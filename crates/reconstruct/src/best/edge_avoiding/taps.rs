@@ -1,5 +1,7 @@
 //! What the taps of all pixels weigh.
 
+use std::ops::Range;
+
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 use stack::{Size, planes_of_zeros};
@@ -13,7 +15,7 @@ const SPLINE: [f32; 5] = [0.0625, 0.25, 0.375, 0.25, 0.0625];
 pub const SIDE: usize = SPLINE.len();
 pub const TAPS: usize = SIDE * SIDE;
 /// The tap in the middle; half of the others lie behind it in the order of rows.
-const MIDDLE: usize = TAPS / 2;
+pub const MIDDLE: usize = TAPS / 2;
 
 /// Most pixels whose taps are looked at together: what that reads stays in the innermost cache.
 pub const PIXELS: usize = 128;
@@ -26,7 +28,7 @@ pub struct Taps {
     /// Pixels from tap to tap.
     pub step: usize,
     /// A plane for each tap behind the middle; zero where it lies outside the picture.
-    weights: Vec<Vec<f32>>,
+    pub(super) weights: Vec<Vec<f32>>,
 }
 
 /// What separates pixels.
@@ -82,6 +84,27 @@ pub fn for_each_row(planes: &mut [Vec<f32>], width: usize, work: impl Fn(usize, 
     rows.into_par_iter().enumerate().for_each(|(y, rows)| work(y, rows));
 }
 
+/// Which of these `columns` of row `y` have tap `number`, one behind the middle, in the picture, and where the first one's
+/// lies.
+#[inline(always)]
+pub fn columns_with(
+    number: usize,
+    size: Size,
+    step: usize,
+    y: usize,
+    columns: Range<usize>,
+) -> Option<(Range<usize>, usize)> {
+    let [across, down] = [number % SIDE, number / SIDE];
+    let row = y + (down - SIDE / 2) * step;
+    let (left, right) = ((SIDE / 2).saturating_sub(across) * step, across.saturating_sub(SIDE / 2) * step);
+    let inside = columns.start.max(left)..columns.end.min(size.width.saturating_sub(right));
+    if row >= size.height || inside.is_empty() {
+        return None;
+    }
+    let there = size.index(inside.start + right - left, row);
+    Some((inside, there))
+}
+
 /// Weights of one row.
 struct WeightTask<'a> {
     size: Size,
@@ -101,19 +124,12 @@ impl WithSimd for WeightTask<'_> {
         for first in (0..size.width).step_by(PIXELS) {
             let all = first..(first + PIXELS).min(size.width);
             for (behind, weights) in weights.iter_mut().enumerate() {
-                let [across, down] = [(MIDDLE + 1 + behind) % SIDE, (MIDDLE + 1 + behind) / SIDE];
-                let row = y + (down - SIDE / 2) * step;
-                // Pixels whose tap lies in the picture.
-                let (left, right) = ((SIDE / 2).saturating_sub(across) * step, across.saturating_sub(SIDE / 2) * step);
-                let inside = all.start.max(left)..all.end.min(size.width.saturating_sub(right));
-                if row >= size.height || inside.is_empty() {
-                    continue;
-                }
+                let number = MIDDLE + 1 + behind;
+                let Some((inside, there)) = columns_with(number, size, step, y, all.clone()) else { continue };
                 let here = size.index(inside.start, y);
-                let there = size.index(inside.start + right - left, row);
                 let weights = &mut weights[inside];
                 squares(simd, &separation.planes, here, there, weights);
-                let spline = SPLINE[down] * SPLINE[across];
+                let spline = SPLINE[number / SIDE] * SPLINE[number % SIDE];
                 weights.iter_mut().for_each(|w| *w = spline * exp_of_negative(-separation.per_square * *w));
             }
         }

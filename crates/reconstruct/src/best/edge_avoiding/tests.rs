@@ -67,3 +67,41 @@ fn nothing_crosses_an_edge() {
         assert!(across[0][5] > 100.0, "without the edge it does mix");
     }
 }
+
+/// The widest of taps 1, 2, 4 … `step` pixels apart without seams.
+fn seamless(kernel: &EdgeAvoidingKernel, step: usize) -> Taps {
+    let mut seamless = Seamless::new(|step| kernel.taps(step));
+    let mut taps = seamless.taps(1);
+    for level in 1..=step.ilog2() {
+        taps = seamless.taps(1 << level);
+    }
+    taps
+}
+
+#[test]
+fn no_seam_runs_where_taps_enter_the_picture() {
+    let (size, step) = (Size::new(96, 96), 16);
+    let kernel = EdgeAvoidingKernel::new(size, Vec::new(), 1.0);
+    let plane: Vec<f32> = (0..size.pixels()).map(|i| (i % size.width) as f32).collect();
+    // How far a ramp leaves a straight line from one pixel to the next, in its middle row.
+    let largest_kink = |taps: Taps| {
+        let smooth = taps.smooth(std::slice::from_ref(&plane)).remove(0);
+        let row = &smooth[size.index(0, 48)..][..size.width];
+        row.windows(3).map(|v| (v[0] - 2.0 * v[1] + v[2]).abs()).fold(0.0, f32::max)
+    };
+    let (with, without) = (largest_kink(seamless(&kernel, step)), largest_kink(kernel.taps(step)));
+    assert!(without > 2.0 && with < 0.15 * without, "{with} {without}");
+}
+
+#[test]
+fn what_is_narrow_is_smoothed_along_as_ever() {
+    let (size, step) = (Size::new(200, 9), 4);
+    let strip: Vec<f32> = (0..size.pixels()).map(|i| if i / size.width == 4 { 9.0 } else { 0.0 }).collect();
+    let kernel = EdgeAvoidingKernel::new(size, vec![&strip], 1.0);
+    let plane = TestNoise(72).normals(size.pixels(), 1.0, 1.0);
+    let [with, without] = [seamless(&kernel, step), kernel.taps(step)].map(|taps| taps.smooth(&[&plane]).remove(0));
+    for x in 50..150 {
+        let pixel = size.index(x, 4);
+        assert!((with[pixel] - without[pixel]).abs() < 1e-6);
+    }
+}

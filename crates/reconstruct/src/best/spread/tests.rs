@@ -106,6 +106,23 @@ fn brighter_pixels_take_more() {
 }
 
 #[test]
+fn even_events_are_nearly_as_bright_at_the_border() {
+    let size = Size::new(100, 60);
+    let lattice = (0..size.pixels()).filter(|i| (i % size.width) % 5 == 2 && (i / size.width) % 5 == 2);
+    let events = events_at(&lattice.collect::<Vec<_>>(), size);
+    let at_border = |settings: &SpreadSettings| {
+        let nothing = features(size, vec![vec![0.0; size.pixels()]]);
+        let light = sum_of(&spread(&events, &flat(size, 1.0), &nothing, settings).halves);
+        // Mean of the middle rows.
+        let column = |x: usize| (25..35).map(|y| light.rgb(size.index(x, y))[0]).sum::<f32>();
+        column(0) / (45..55).map(|x| 0.1 * column(x)).sum::<f32>()
+    };
+    let (with, without) = (SpreadSettings::default(), SpreadSettings { levels: 0, ..SpreadSettings::default() });
+    assert!(at_border(&with) > 0.9, "{} {}", at_border(&with), at_border(&without));
+    assert!(at_border(&without) < 0.8, "{}", at_border(&without));
+}
+
+#[test]
 fn no_events_give_no_light() {
     assert_eq!(plain(&events_at(&[], SIZE)), flat(SIZE, 0.0));
     assert_eq!(plain(&events_at(&[0], Size::new(1, 1))), flat(Size::new(1, 1), 1.0));
