@@ -6,8 +6,9 @@
 
 A lesson holds rows of little-endian 32-bit floats: the network's inputs at a pixel, what is added to the logit of its
 weight there (crates/reconstruct/src/blend/stakes.rs), then N = <d, t − x>, D = <d, d> and E = <x − r1, x − r2> there, and the error of the better of picture and guide (crates/cli/src/experiment/guide/lesson.rs).
-A weight w costs E + w²D − 2wN; the loss is the mean of w²D − 2wN over that error. Needs numpy; a few minutes on one
-core. The same seed gives the same weights on the same machine.
+A weight w costs E + w²D − 2wN; the loss is the mean of w²D − 2wN over that error. Several networks are trained, each from
+weights of its own, and their logits are averaged: one network of all their nodes. Needs numpy; a minute or two on one core. The
+same seed gives the same weights on the same machine.
 """
 
 import argparse
@@ -22,7 +23,9 @@ need(__doc__, "numpy")
 import numpy as np  # noqa: E402
 
 INPUTS = 61
-HIDDEN = 24
+# Networks, and hidden nodes of each.
+MEMBERS = 4
+NODES = 24
 STEPS = 1000
 # Rows of every lesson that make a step.
 BATCH = 30
@@ -31,9 +34,9 @@ DECAY = 1e-3
 # Inputs are cut off this many deviations from their mean, as in judge.rs.
 FURTHEST = 3.0
 # Slopes of one pixel are cut off here.
-STEEPEST = (-20.0, 200.0)
+STEEPEST = (-20.0, 40.0)
 # How much lessons of a guide count; others count 1.
-COUNTS = {"oidn": 3.0, "oidn-clean": 2.0, "oidn-colour": 2.0, "a_reference": 0.7, "black": 0.5, "noisy_blurred_more": 0.5}
+COUNTS = {"oidn": 6.0, "oidn-clean": 4.0, "oidn-colour": 4.0, "a_reference": 0.7, "black": 0.5, "noisy_blurred_more": 0.5}
 # Guides that are no denoiser's result: their harm counts this much more than their help.
 CAUTION = 1.8
 CAUTIOUS = ("blurred", "noise", "noisy", "nfor")
@@ -63,12 +66,15 @@ def kind_of(name):
 
 
 class Batches:
-    """All lessons as arrays: inputs, N, D, the factor on each lesson's loss."""
+    """All lessons as arrays: standardised inputs with their means and deviations, N, D, the factor on each lesson's loss."""
 
     def __init__(self, lessons):
         kinds = [kind_of(name) for name, _ in lessons]
         rows = np.stack([rows for _, rows in lessons])
-        self.inputs, self.stake = rows[..., :INPUTS], rows[..., INPUTS]
+        sample = rows[:, :200, :INPUTS].reshape(-1, INPUTS)
+        self.means, self.deviations = sample.mean(0), sample.std(0) + np.float32(1e-3)
+        self.inputs = np.clip((rows[..., :INPUTS] - self.means) / self.deviations, -FURTHEST, FURTHEST)
+        self.stake = rows[..., INPUTS]
         self.gain, self.cost = rows[..., INPUTS + 1], rows[..., INPUTS + 2]
         caution = [CAUTION if any(word in kind for word in CAUTIOUS) else 1.0 for kind in kinds]
         self.cost = self.cost * np.float32(caution)[:, None]
@@ -79,25 +85,22 @@ class Batches:
 
 
 def train(batches, seed):
-    """Means, deviations and parameters (hidden weights, hidden biases, output weights, output bias) by Adam."""
-    sample = batches.inputs[:, :200].reshape(-1, INPUTS)
-    means, deviations = sample.mean(0), sample.std(0) + np.float32(1e-3)
-    inputs = np.clip((batches.inputs - means) / deviations, -FURTHEST, FURTHEST)
+    """Parameters of one network (hidden weights, hidden biases, output weights, output bias) by Adam."""
     random = np.random.default_rng(seed)
     parameters = [
-        random.normal(0, 0.7 / np.sqrt(INPUTS), (INPUTS, HIDDEN)),
-        np.zeros(HIDDEN),
-        random.normal(0, 0.1, HIDDEN),
+        random.normal(0, 0.7 / np.sqrt(INPUTS), (INPUTS, NODES)),
+        np.zeros(NODES),
+        random.normal(0, 0.1, NODES),
         np.array([-2.0]),
     ]
     parameters = [p.astype(np.float32) for p in parameters]
     first, second = ([np.zeros_like(p) for p in parameters] for _ in range(2))
     for step in range(STEPS):
-        at = random.integers(0, inputs.shape[1] - BATCH)
+        at = random.integers(0, batches.inputs.shape[1] - BATCH)
         rows = slice(at, at + BATCH)
         gain, cost = ((plane[:, rows] * batches.factor).ravel() for plane in (batches.gain, batches.cost))
         stake = batches.stake[:, rows].ravel()
-        slopes = gradient(parameters, inputs[:, rows].reshape(-1, INPUTS), stake, gain, cost)
+        slopes = gradient(parameters, batches.inputs[:, rows].reshape(-1, INPUTS), stake, gain, cost)
         rate = RATE * (1 - 0.95 * step / STEPS)
         for i, slope in enumerate(slopes):
             slope = slope + DECAY * parameters[i] * (i in (0, 2))
@@ -105,7 +108,7 @@ def train(batches, seed):
             second[i] = 0.999 * second[i] + 0.001 * slope * slope
             unbiased = first[i] / (1 - 0.9 ** (step + 1)), second[i] / (1 - 0.999 ** (step + 1))
             parameters[i] = (parameters[i] - rate * unbiased[0] / (np.sqrt(unbiased[1]) + 1e-8)).astype(np.float32)
-    return means, deviations, parameters
+    return parameters
 
 
 def gradient(parameters, inputs, stake, gain, cost):
@@ -118,13 +121,21 @@ def gradient(parameters, inputs, stake, gain, cost):
     return inputs.T @ back, back.sum(0), hidden.T @ slope, np.array([slope.sum()])
 
 
+def committee(members):
+    """One network whose logit is the mean of the members'."""
+    hidden_weights, hidden_biases, output_weights, output_biases = zip(*members)
+    outputs = np.concatenate(output_weights) / len(members)
+    return np.concatenate(hidden_weights, axis=1), np.concatenate(hidden_biases), outputs, np.mean(output_biases, axis=0)
+
+
 def write(path, means, deviations, parameters):
     hidden_weights, hidden_biases, output_weights, output_bias = parameters
-    lines = ["# Written by `scripts/train_guide.py`; see weights.rs for the format.", f"tamis-guide 1 {INPUTS} {HIDDEN}"]
+    nodes = len(hidden_biases)
+    lines = ["# Written by `scripts/train_guide.py`; see weights.rs for the format.", f"tamis-guide 1 {INPUTS} {nodes}"]
     add = lambda name, numbers: lines.append(" ".join([name, *(str(np.float32(v)) for v in numbers)]))
     add("means", means)
     add("deviations", deviations)
-    for node in range(HIDDEN):
+    for node in range(nodes):
         add("hidden", [hidden_biases[node], *hidden_weights[:, node]])
     add("output", [output_bias[0], *output_weights])
     with open(path, "w", encoding="ascii") as file:
@@ -135,11 +146,13 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folders", nargs="+", metavar="DIR", help="folders of lessons; one given twice counts twice")
     parser.add_argument("-o", "--output", required=True, metavar="FILE", help="the weights")
-    parser.add_argument("--seed", type=int, default=3)
+    parser.add_argument("--seed", type=int, default=100, help="of the first network; each has the next one")
     options = parser.parse_args()
     lessons = read_lessons(options.folders)
     print(f"{len(lessons)} lessons of {len(lessons[0][1])} pixels")
-    write(options.output, *train(Batches(lessons), options.seed))
+    batches = Batches(lessons)
+    members = [train(batches, options.seed + number) for number in range(MEMBERS)]
+    write(options.output, batches.means, batches.deviations, committee(members))
 
 
 if __name__ == "__main__":

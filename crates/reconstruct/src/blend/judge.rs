@@ -1,4 +1,4 @@
-//! The network that says how far to follow the other picture: one hidden layer.
+//! The network that says how far to follow the other picture: one hidden layer, the nodes of several networks side by side.
 
 use rayon::prelude::*;
 
@@ -6,8 +6,9 @@ use super::inputs::{INPUTS, Inputs};
 use crate::exp::exp_of_negative;
 use crate::network::{lanes_of, tanh, weighted_sum};
 
-/// Nodes of the hidden layer.
-pub const HIDDEN: usize = 24;
+/// Nodes of the hidden layer: those of four networks of 24, whose logits are averaged by the weights of the output. Where a
+/// picture is like none that they learned from, they err in different directions.
+pub const HIDDEN: usize = 96;
 /// Numbers of a hidden node: its bias, its weights.
 pub const NODE: usize = 1 + INPUTS;
 /// Inputs are cut off this many deviations from their mean: further out, nothing was learned.

