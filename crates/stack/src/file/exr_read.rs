@@ -310,6 +310,9 @@ pub(super) fn understand(path: &Path, action: Action, error: exr::error::Error) 
         Error::Invalid(reason) if action == Action::Write => {
             FileError::io(path, action, std::io::Error::other(reason.into_owned()))
         }
+        Error::Invalid(reason) if reason.contains("identifier") => {
+            broken(path, "it begins like none; stacks are OpenEXR, PFM or PHM files")
+        }
         Error::Invalid(reason) => broken(path, &reason),
         Error::Aborted => broken(path, "reading stopped"),
     }

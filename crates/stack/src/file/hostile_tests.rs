@@ -197,6 +197,13 @@ fn deep_and_subsampled_files_are_refused_by_name() {
 }
 
 #[test]
+fn a_picture_of_another_format_is_told_what_stacks_are() {
+    let png = Cursor::new(b"\x89PNG\r\n\x1a\n, and so on");
+    let said = read_exr_from(Path::new("a.png"), png).unwrap_err().to_string();
+    assert!(said.contains("PFM"), "{said}");
+}
+
+#[test]
 fn more_than_there_is_memory_is_refused_before_it_is_asked_for() {
     let start = Instant::now();
     let read = |width, height| read_exr_from(Path::new("huge.exr"), Cursor::new(claims(width, height))).unwrap_err();
